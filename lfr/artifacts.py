@@ -1,0 +1,236 @@
+"""What is kept on disk: written whole or not at all, named by fingerprints, models never pickled."""
+
+from __future__ import annotations
+
+import ast
+import contextlib
+import dataclasses
+import hashlib
+import json
+import os
+import platform
+import shutil
+import subprocess
+from collections.abc import Iterator, Mapping
+from importlib import metadata
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from lfr.errors import DataError
+
+if TYPE_CHECKING:
+    from torch import Tensor
+
+PACKAGES = ("lerobot", "robosuite", "mujoco", "numpy", "numba", "torch", "dvc", "rerun-sdk",
+            "foxglove-sdk")  # fmt: skip
+SOURCES = ("lfr", "pipeline", "params.yaml", "dvc.yaml", "requirements.lock")
+
+
+@contextlib.contextmanager
+def write_whole(final: Path) -> Iterator[Path]:
+    """A place beside ``final`` to write a file or a folder to, renamed onto it at the end.
+
+    What stood under the final name stays until then. If the body raises, the unfinished place is
+    removed; if the process is killed, it stays as ``.partial-<name>`` until the next attempt.
+
+    Args:
+        final: the file's or folder's name. Its parents are made.
+
+    Yields:
+        The path to write to, with the suffix of ``final``; nothing is there yet.
+    """
+    final = Path(final)
+    final.parent.mkdir(parents=True, exist_ok=True)
+    partial = final.with_name(f".partial-{final.name}")
+    _remove(partial)
+    try:
+        yield partial
+        for path in [partial, *partial.rglob("*")]:
+            _sync(path)
+        if final.is_dir() and not final.is_symlink():  # a folder cannot be renamed onto a folder
+            before = final.with_name(f".before-{final.name}")
+            _remove(before)
+            final.rename(before)
+            partial.rename(final)
+            _remove(before)
+        else:
+            partial.replace(final)
+        _sync(final.parent)
+    except BaseException:
+        _remove(partial)
+        raise
+
+
+def write_json(path: Path, content: object) -> None:
+    """Write JSON whole, indented and with a final newline; NaN is refused (ValueError)."""
+    text = json.dumps(plain(content), indent=2, ensure_ascii=False, allow_nan=False)
+    with write_whole(path) as partial:
+        partial.write_text(text + "\n", encoding="utf-8")
+
+
+def read_json(path: Path) -> Any:
+    """What a JSON file holds.
+
+    Raises:
+        DataError: the file is missing or no JSON.
+    """
+    try:
+        return json.loads(Path(path).read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise DataError("the file is missing", file=path) from None
+    except (json.JSONDecodeError, UnicodeDecodeError) as error:
+        raise DataError("the file is cut off or no JSON", file=path, found=error) from None
+
+
+def plain(value: object) -> Any:
+    """``value`` in JSON's types: dataclasses as mappings, tuples as lists, paths as text.
+
+    Raises:
+        TypeError: a value that JSON cannot hold.
+    """
+    if value is None or isinstance(value, bool | int | float | str):
+        return value
+    if isinstance(value, Path):
+        return value.as_posix()
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        fields = dataclasses.fields(value)
+        return {field.name: plain(getattr(value, field.name)) for field in fields}
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if isinstance(value, set | frozenset):
+        return sorted(plain(item) for item in value)
+    if hasattr(value, "tolist"):  # NumPy arrays and scalars, tensors
+        return value.tolist()  # pyright: ignore[reportAttributeAccessIssue]
+    raise TypeError(f"{type(value).__name__} is not a value that JSON can hold: {value!r}")
+
+
+def fingerprint(*parts: object) -> str:
+    """16 hexadecimal digits that change when any of the parts changes.
+
+    A part is anything `plain` takes; a Path that is itself a part counts by its content
+    (`file_hash`), one inside a part by its name.
+    """
+    contents = [file_hash(part) if isinstance(part, Path) else plain(part) for part in parts]
+    text = json.dumps(contents, sort_keys=True, separators=(",", ":"))
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def file_hash(path: Path) -> str:
+    """SHA-256 of a file, or of a folder's file names and contents (without ``__pycache__``).
+
+    Raises:
+        DataError: there is nothing at this path.
+    """
+    if path.is_file():
+        with path.open("rb") as stream:
+            return hashlib.file_digest(stream, "sha256").hexdigest()
+    if not path.is_dir():
+        raise DataError("the file is missing", file=path)
+    digest = hashlib.sha256()
+    for file in sorted(path.rglob("*")):
+        if file.is_file() and "__pycache__" not in file.parts:
+            digest.update(f"{file.relative_to(path).as_posix()} {file_hash(file)}\n".encode())
+    return digest.hexdigest()
+
+
+def code_fingerprint(*packages: str) -> str:
+    """A fingerprint of the sources of packages or modules such as "lfr.skills".
+
+    It is taken of the syntax trees, so comments and layout do not count and a checkpoint
+    outlives them.
+
+    Raises:
+        DataError: there is no such package.
+    """
+    root = Path(__file__).parent.parent
+    trees: dict[str, str] = {}
+    for package in packages:
+        folder = root.joinpath(*package.split("."))
+        files = sorted(folder.rglob("*.py")) if folder.is_dir() else [folder.with_suffix(".py")]
+        for file in files:
+            if not file.is_file():
+                raise DataError("no such package of lfr", file=file)
+            tree = ast.dump(ast.parse(file.read_text(encoding="utf-8")))
+            trees[file.relative_to(root).as_posix()] = tree
+    return fingerprint(trees)
+
+
+def work_folder(stage: str, print: str) -> Path:
+    """``work/<stage>/<print>``, made if missing: where a stage's unfinished work is kept.
+
+    git and DVC ignore it, so an interrupted stage finds it again; the fingerprint ``print`` names
+    all that the work depends on. ``LFR_WORK`` in the environment puts it elsewhere.
+    """
+    folder = Path(os.environ.get("LFR_WORK", "work")) / stage / print
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+def save_model(folder: Path, config: dict[str, Any], tensors: Mapping[str, Tensor]) -> None:
+    """A model as a folder of ``config.json`` and ``model.safetensors``, written whole."""
+    from safetensors.torch import save_file
+
+    with write_whole(folder) as partial:
+        partial.mkdir()
+        write_json(partial / "config.json", config)
+        # clone: safetensors refuses tensors that share memory
+        contents = {name: t.detach().cpu().contiguous().clone() for name, t in tensors.items()}
+        save_file(contents, partial / "model.safetensors")
+
+
+def load_model(folder: Path) -> tuple[dict[str, Any], dict[str, Tensor]]:
+    """The configuration and the tensors of a model saved by `save_model`, on the CPU.
+
+    Raises:
+        DataError: a file is missing or cut off.
+    """
+    from safetensors import SafetensorError
+    from safetensors.torch import load_file
+
+    config = read_json(folder / "config.json")
+    file = folder / "model.safetensors"
+    try:
+        return config, load_file(file)
+    except FileNotFoundError:
+        raise DataError("the file is missing", file=file) from None
+    except SafetensorError as error:
+        raise DataError("the file is cut off or no safetensors", file=file, found=error) from None
+
+
+def provenance() -> dict[str, Any]:
+    """What made a result: the git revision, whether the sources differ from it, and versions."""
+    return {
+        "revision": _git("rev-parse", "HEAD"),
+        "modified": bool(_git("status", "--porcelain", "--untracked-files=no", "--", *SOURCES)),
+        "python": platform.python_version(),
+        "platform": f"{platform.system()} {platform.machine()}",
+        "packages": {name: metadata.version(name) for name in PACKAGES},
+    }
+
+
+def _git(*arguments: str) -> str | None:
+    """What a git command says about lfr's checkout; None without git or outside a checkout."""
+    command = ["git", "-C", str(Path(__file__).parent.parent), *arguments]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, check=True)
+    except (OSError, subprocess.CalledProcessError):
+        return None
+    return done.stdout.strip()
+
+
+def _remove(path: Path) -> None:
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path)
+    else:
+        path.unlink(missing_ok=True)
+
+
+def _sync(path: Path) -> None:
+    """Have the disk hold what was written, so that a rename never shows a file of zeros."""
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)

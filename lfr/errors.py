@@ -1,0 +1,64 @@
+"""The errors a user can cause. Each is one line: what was found, what was expected, what to do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+
+class LfrError(Exception):
+    """A mistake that the reader of the message can mend; shown without a traceback."""
+
+    exit_code = 2
+
+
+class UnknownNameError(LfrError):
+    """A name that is not among the valid ones, which the message lists."""
+
+    def __init__(self, kind: str, name: str, valid: Iterable[str]) -> None:
+        self.kind, self.name, self.valid = kind, name, tuple(valid)
+        super().__init__(f"unknown {kind} {name!r}; valid: {', '.join(self.valid) or '(none)'}")
+
+    def __reduce__(self) -> tuple[type, tuple[str, str, tuple[str, ...]]]:
+        return type(self), (self.kind, self.name, self.valid)
+
+
+class ParameterError(LfrError):
+    """A parameter that is missing, unknown, of the wrong type, or outside its range."""
+
+
+class DataError(LfrError):
+    """A file that is missing, cut off, or not what it should be.
+
+    The message names all that is known of the place and of the difference:
+    ``no successful episode: data/x.mcap, episode 3, column action, found float64, expected float32``.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        file: str | Path,
+        episode: int | None = None,
+        column: str | None = None,
+        found: object = None,
+        expected: object = None,
+    ) -> None:
+        self.message, self.file = message, Path(file)
+        self.episode, self.column = episode, column
+        self.found, self.expected = found, expected
+        named = {"episode": episode, "column": column, "found": found, "expected": expected}
+        details = [f"{name} {value}" for name, value in named.items() if value is not None]
+        super().__init__(f"{message}: {', '.join([str(file), *details])}")
+
+    def __reduce__(self) -> tuple[object, ...]:
+        state = {name: value for name, value in self.__dict__.items()}
+        return _restore_data_error, (state,)
+
+
+def _restore_data_error(state: dict[str, object]) -> DataError:
+    return DataError(**state)  # pyright: ignore[reportArgumentType]
+
+
+class MissingLibraryError(LfrError):
+    """A library of the machine that is not installed; the message names the package to install."""

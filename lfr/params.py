@@ -1,0 +1,160 @@
+"""Parameters: a section of params.yaml read into a frozen dataclass that rejects what it lacks."""
+
+from __future__ import annotations
+
+import dataclasses
+import types
+import typing
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any, Literal, TypeVar, Union
+
+from lfr.errors import ParameterError
+
+Section = TypeVar("Section")
+
+PARAMS = Path("params.yaml")
+
+
+def read_section(cls: type[Section], section: str, path: Path = PARAMS) -> Section:
+    """A section of a YAML file as an instance of ``cls``.
+
+    Args:
+        cls: a dataclass, possibly nested.
+        section: name of the section; a dotted name ("skills.vae") goes further down.
+        path: the YAML file, read as DVC reads it (YAML 1.2: ``5e-4`` is a number).
+
+    Raises:
+        ParameterError: the file or the section is missing, or its content does not fit ``cls``.
+    """
+    node: Any = read_yaml(path)
+    where = str(path)
+    for name in section.split("."):
+        valid = sorted(node) if isinstance(node, Mapping) else []
+        if name not in valid:
+            raise ParameterError(f"{where}: no section {name!r}; found: {', '.join(valid)}")
+        node, where = node[name], f"{where}: {name}" if node is None else _join(where, name)
+    return from_mapping(cls, node, where)
+
+
+def read_yaml(path: Path) -> dict[str, Any]:
+    """A YAML file's mapping.
+
+    Raises:
+        ParameterError: the file is missing, is no YAML, or holds no mapping.
+    """
+    from ruamel.yaml import YAML
+    from ruamel.yaml.error import YAMLError
+
+    try:
+        content = YAML(typ="safe").load(path.read_text())
+    except FileNotFoundError:
+        raise ParameterError(f"{path} is missing; run in the project's folder") from None
+    except YAMLError as error:
+        raise ParameterError(f"{path} is no YAML: {' '.join(str(error).split())}") from None
+    if not isinstance(content, dict):
+        raise ParameterError(f"{path}: expected a mapping of sections")
+    return content
+
+
+def from_mapping(cls: type[Section], mapping: object, where: str) -> Section:
+    """An instance of the dataclass ``cls`` from a mapping, its types checked.
+
+    Fields may be bool, int, float (an int will do), str, Path, None, Literal, unions of these,
+    tuples (from lists), dict[str, ...], and dataclasses. A ValueError from ``__post_init__``
+    becomes a ParameterError.
+
+    Args:
+        where: the mapping's place, for messages, such as "params.yaml: skills".
+
+    Raises:
+        ParameterError: an unknown, missing or mistyped key; the message names the valid ones.
+    """
+    if not isinstance(mapping, Mapping):
+        raise ParameterError(f"{where}: found {mapping!r}, expected a mapping")
+    fields = {field.name: field for field in dataclasses.fields(cls) if field.init}  # pyright: ignore[reportArgumentType]
+    for name in mapping:
+        if name not in fields:
+            raise ParameterError(f"{where}: unknown parameter {name!r}; valid: {', '.join(fields)}")
+    for name, field in fields.items():
+        defaults = (field.default, field.default_factory)
+        if name not in mapping and all(value is dataclasses.MISSING for value in defaults):
+            raise ParameterError(f"{where}: parameter {name!r} is missing")
+    hints = _hints(cls)
+    values = {
+        name: _checked(hints[name], value, _join(where, name)) for name, value in mapping.items()
+    }
+    try:
+        return cls(**values)
+    except ValueError as error:
+        raise ParameterError(f"{where}: {error}") from None
+
+
+_hints = cache(typing.get_type_hints)
+
+
+def _join(where: str, name: str) -> str:
+    return f"{where}.{name}" if ": " in where else f"{where}: {name}"
+
+
+def _checked(kind: Any, value: Any, where: str) -> Any:
+    """``value`` as the annotation ``kind`` wants it."""
+    origin, arguments = typing.get_origin(kind), typing.get_args(kind)
+    if kind is Any:
+        return value
+    if dataclasses.is_dataclass(kind):
+        return from_mapping(typing.cast(type, kind), value, where)
+    if origin in (Union, types.UnionType):
+        return _checked_union(arguments, value, where)
+    if origin is Literal:
+        if any(value == valid and type(value) is type(valid) for valid in arguments):
+            return value
+        valid = ", ".join(str(name) for name in arguments)
+        raise ParameterError(f"{where}: found {value!r}; valid: {valid}")
+    if origin is tuple and isinstance(value, list | tuple):
+        return _checked_tuple(arguments, value, where)
+    if origin is dict and isinstance(value, Mapping):
+        return {
+            _checked(arguments[0], key, f"{where}: key"): _checked(
+                arguments[1], item, _join(where, str(key))
+            )
+            for key, item in value.items()
+        }
+    if kind is float and type(value) is int:  # bool is an int to Python, not to a reader
+        return float(value)
+    if kind is Path and isinstance(value, str):
+        return Path(value)
+    if kind in (None, types.NoneType) and value is None:
+        return None
+    if kind in (bool, int, float, str) and type(value) is kind:
+        return value
+    expected = getattr(kind, "__name__", str(kind)) if origin is None else str(kind)
+    raise ParameterError(f"{where}: found {value!r}, expected {expected}")
+
+
+def _checked_union(arguments: tuple[Any, ...], value: Any, where: str) -> Any:
+    for kind in arguments:
+        try:
+            return _checked(kind, value, where)
+        except ParameterError as error:
+            mistake = error
+            # A mapping can only have been meant for the dataclass, whose message says more.
+            if isinstance(value, Mapping) and dataclasses.is_dataclass(kind):
+                raise
+    if len(arguments) == 2 and types.NoneType in arguments:
+        first = next(kind for kind in arguments if kind is not types.NoneType)
+        return _checked(first, value, where)
+    names = " or ".join(getattr(kind, "__name__", str(kind)) for kind in arguments)
+    raise ParameterError(f"{where}: found {value!r}, expected {names}") from mistake
+
+
+def _checked_tuple(kinds: tuple[Any, ...], value: Any, where: str) -> tuple[Any, ...]:
+    if len(kinds) == 2 and kinds[1] is Ellipsis:
+        kinds = (kinds[0],) * len(value)
+    elif len(kinds) != len(value):
+        raise ParameterError(f"{where}: found {len(value)} values, expected {len(kinds)}")
+    return tuple(
+        _checked(kind, item, f"{where}[{index}]")
+        for index, (kind, item) in enumerate(zip(kinds, value, strict=True))
+    )
