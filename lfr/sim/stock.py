@@ -1,0 +1,221 @@
+"""The four tasks on stock robosuite: the oracle of the compiled engine, and the second judge."""
+
+import logging
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+import lfr.robots
+import lfr.tasks
+from lfr.sim.layout import ObservationLayout, Steps
+
+CONTROL_FREQUENCY = 20
+"""Hz; with MuJoCo's time step of 2 ms, 25 substeps per control step."""
+
+
+def make_stock_environment(robot: str, task: str, *, hard_reset: bool) -> Any:
+    """robosuite's environment with its best switches for speed and without rendering."""
+    # robosuite sets its logger's level when it is imported; a filter stays.
+    logging.getLogger("robosuite_logs").addFilter(_errors_only)
+    import robosuite
+
+    chosen = lfr.tasks.task(task)
+    return robosuite.make(
+        chosen.stock_name,
+        robots=lfr.robots.robot(robot).stock_name,
+        has_renderer=False,
+        has_offscreen_renderer=False,
+        use_camera_obs=False,
+        use_object_obs=False,
+        renderer="mujoco",
+        reward_shaping=True,
+        control_freq=CONTROL_FREQUENCY,
+        ignore_done=True,
+        hard_reset=hard_reset,
+        seed=0,
+        **chosen.stock_options,
+    )
+
+
+def _errors_only(record: logging.LogRecord) -> bool:
+    return record.levelno >= logging.ERROR
+
+
+class StockSimulation:
+    """One arm in one task on stock robosuite 1.5.2, observed as this project observes it.
+
+    Two departures from stock: Sawyer's contact with its own base is excluded
+    (`Robot.excluded_contacts`), and the controller is told to read the state afresh after a reset,
+    where stock would use a stale mass matrix during the first substep.
+
+    Observations are taken from the joint positions after a step. Stock's own observables, its
+    reward and its success check lag them by one substep of 2 ms; reward and success are stock's.
+
+    Raises:
+        UnknownNameError: unknown robot or task.
+    """
+
+    def __init__(self, robot: str, task: str) -> None:
+        self.robot = lfr.robots.robot(robot)
+        self.task = lfr.tasks.task(task)
+        self.layout = ObservationLayout.of(self.task)
+        self.horizon = self.task.horizon
+        # Lift draws its cube's size only when the model is built anew.
+        self._env = make_stock_environment(robot, task, hard_reset=self.task.name == "lift")
+        self._env._xml_processors.append(self._exclude_contacts)
+        # The first soft reset would still use the model built without the exclusion.
+        self._env._load_model()
+        self._env._initialize_sim()
+        self.reset(0)
+
+    def _exclude_contacts(self, xml: str) -> str:
+        pairs = "".join(
+            f'<exclude body1="{first}" body2="{second}"/>'
+            for first, second in self.robot.excluded_contacts
+        )
+        return xml.replace("</mujoco>", f"<contact>{pairs}</contact></mujoco>") if pairs else xml
+
+    @property
+    def _model(self) -> Any:
+        return self._env.sim.model._model
+
+    @property
+    def _data(self) -> Any:
+        return self._env.sim.data._data
+
+    @property
+    def _arm(self) -> Any:
+        return self._env.robots[0]
+
+    def reset(self, seed: int) -> NDArray[np.float64]:
+        """Start an episode that `seed` fully determines; returns the observation (D,)."""
+        # One generator is shared with the placement samplers, so its state is set in place.
+        self._env.rng.bit_generator.state = np.random.default_rng(seed).bit_generator.state
+        self._env.reset()
+        self._arm.part_controllers["right"].new_update = True
+        return self.observation()
+
+    def step(self, actions: ArrayLike, stop_on_success: bool = False) -> Steps:
+        """Apply `actions` (H, 7) one control step each; stop early at success if asked to."""
+        observations, rewards, successes = [], [], []
+        diverged = False
+        for action in np.asarray(actions, dtype=np.float64).reshape(-1, 7):
+            _, reward, _, _ = self._env.step(action)
+            rewards.append(float(reward))
+            successes.append(bool(self._env._check_success()))
+            observations.append(self.observation())
+            diverged = not bool(np.isfinite(observations[-1]).all())
+            if diverged or (stop_on_success and successes[-1]):
+                break
+        return Steps(
+            np.array(observations, dtype=np.float64).reshape(-1, self.layout.size),
+            np.array(rewards, dtype=np.float64),
+            np.array(successes, dtype=np.bool_),
+            diverged,
+        )
+
+    def observation(self) -> NDArray[np.float64]:
+        """The current observation (D,), in the base frame; see `lfr.sim.layout`."""
+        import mujoco
+
+        mujoco.mj_kinematics(self._model, self._data)
+        return np.concatenate([self._state(), self._environment_state()])
+
+    def joint_position(self) -> NDArray[np.float64]:
+        """(7,) rad."""
+        return np.array([self._data.joint(name).qpos[0] for name in self.robot.joints])
+
+    def joint_velocity(self) -> NDArray[np.float64]:
+        """(7,) rad/s."""
+        return np.array([self._data.joint(name).qvel[0] for name in self.robot.joints])
+
+    def body_poses(self) -> dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]:
+        """Body name -> position (3,) m and quaternion (4,) wxyz, in the world frame."""
+        bodies = (self._data.body(i) for i in range(1, self._model.nbody))
+        return {body.name: (body.xpos.copy(), body.xquat.copy()) for body in bodies}
+
+    def state(self) -> NDArray[np.float64]:
+        """(S,): physics, null-space target, gripper command and the manipulated geom's size."""
+        size = self._model.geom_size[self._first_geom()]
+        target = self._arm.part_controllers["right"].initial_joint
+        data = self._data
+        return np.concatenate(
+            [data.qpos, data.qvel, data.qacc_warmstart, target, [self._gripper_command()], size]
+        )
+
+    def set_state(self, state: ArrayLike) -> None:
+        """Continue exactly from a `state()` of the same robot, task and cube size."""
+        import mujoco
+
+        data, nq, nv = self._data, self._model.nq, self._model.nv
+        parts = np.split(np.asarray(state, dtype=np.float64), np.cumsum([nq, nv, nv, 7, 1]))
+        data.qpos[:], data.qvel[:] = parts[0], parts[1]
+        mujoco.mj_forward(self._model, data)
+        data.qacc_warmstart[:] = parts[2]
+        controller = self._arm.part_controllers["right"]
+        controller.initial_joint = parts[3].copy()
+        controller.new_update = True
+        self._arm.gripper["right"].current_action = parts[4] * np.array(self.robot.close_signs)
+        self._model.geom_size[self._first_geom()] = parts[5]
+
+    def _first_geom(self) -> int:
+        body = next(iter(self.task.objects.values()))
+        return int(self._model.body(body).geomadr[0])
+
+    def _gripper_command(self) -> float:
+        command = np.asarray(self._arm.gripper["right"].current_action, dtype=np.float64)
+        return float(np.broadcast_to(command, 2)[0] * self.robot.close_signs[0]) + 0.0
+
+    def _base(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        body = self._data.body(self.robot.base_body)
+        return body.xpos, body.xmat.reshape(3, 3)
+
+    def _eef(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        origin, axes = self._base()
+        site = self._data.site(self.robot.grip_site)
+        return axes.T @ (site.xpos - origin), axes.T @ site.xmat.reshape(3, 3)
+
+    def _body(self, name: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        origin, axes = self._base()
+        body = self._data.body(name)
+        return axes.T @ (body.xpos - origin), axes.T @ body.xmat.reshape(3, 3)
+
+    def _state(self) -> NDArray[np.float64]:
+        position, rotation = self._eef()
+        first, second = (self._data.joint(name).qpos[0] for name in self.robot.finger_joints)
+        aperture = first - second + self.robot.pad_gap_at_zero
+        rot6d = rotation[:, :2].T.ravel()
+        return np.concatenate([position, rot6d, [aperture, self._gripper_command()]])
+
+    def _environment_state(self) -> NDArray[np.float64]:
+        eef, rotation = self._eef()
+        position, axes = self._body(next(iter(self.task.objects.values())))
+        parts = [position, axes[:, 2], position - eef]
+        match self.task.name:
+            case "lift":
+                parts += [_yaw(axes, rotation, 4)]
+            case "stack":
+                other, _ = self._body(self.task.objects["cubeB"])
+                parts += [_yaw(axes, rotation, 4), other, other - position]
+            case "pick_place":
+                origin, base = self._base()
+                target = base.T @ (self._env.target_bin_placements[self._env.object_id] - origin)
+                parts += [target - position]
+            case "nut_assembly":
+                origin, base = self._base()
+                handle = self._env.nuts[0].important_sites["handle"]
+                handle = base.T @ (self._data.site(handle).xpos - origin)
+                peg, peg_axes = self._body("peg1")
+                parts += [_yaw(axes, rotation, 2), handle - eef]
+                parts += [peg - position, _yaw(axes, peg_axes, 4)]
+        return np.concatenate(parts)
+
+
+def _yaw(
+    axes: NDArray[np.float64], reference: NDArray[np.float64], symmetry: int
+) -> NDArray[np.float64]:
+    """cos and sin of k (psi - psi_reference), psi the yaw of the x axis, k the symmetry."""
+    psi, psi_reference = (np.arctan2(matrix[1, 0], matrix[0, 0]) for matrix in (axes, reference))
+    angle = symmetry * (psi - psi_reference)
+    return np.array([np.cos(angle), np.sin(angle)])
