@@ -1,4 +1,4 @@
-"""What is kept on disk: written whole or not at all, named by fingerprints, models never pickled."""
+"""What is kept on disk: written whole or not at all, named by fingerprints, never pickled."""
 
 from __future__ import annotations
 
@@ -101,8 +101,8 @@ def plain(value: object) -> Any:
         return [plain(item) for item in value]
     if isinstance(value, set | frozenset):
         return sorted(plain(item) for item in value)
-    if hasattr(value, "tolist"):  # NumPy arrays and scalars, tensors
-        return value.tolist()  # pyright: ignore[reportAttributeAccessIssue]
+    if tolist := getattr(value, "tolist", None):  # NumPy arrays and scalars, tensors
+        return tolist()
     raise TypeError(f"{type(value).__name__} is not a value that JSON can hold: {value!r}")
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import partial
 from pathlib import Path
 
 
@@ -31,7 +32,7 @@ class DataError(LfrError):
     """A file that is missing, cut off, or not what it should be.
 
     The message names all that is known of the place and of the difference:
-    ``no successful episode: data/x.mcap, episode 3, column action, found float64, expected float32``.
+    "wrong type: a.parquet, episode 3, column action, found float64, expected float32".
     """
 
     def __init__(
@@ -51,13 +52,8 @@ class DataError(LfrError):
         details = [f"{name} {value}" for name, value in named.items() if value is not None]
         super().__init__(f"{message}: {', '.join([str(file), *details])}")
 
-    def __reduce__(self) -> tuple[object, ...]:
-        state = {name: value for name, value in self.__dict__.items()}
-        return _restore_data_error, (state,)
-
-
-def _restore_data_error(state: dict[str, object]) -> DataError:
-    return DataError(**state)  # pyright: ignore[reportArgumentType]
+    def __reduce__(self) -> tuple[partial[DataError], tuple[()]]:
+        return partial(type(self), **self.__dict__), ()
 
 
 class MissingLibraryError(LfrError):

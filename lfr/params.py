@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import types
 import typing
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
-from typing import Any, Literal, TypeVar, Union
+from typing import TYPE_CHECKING, Any, Literal, Union
 
 from lfr.errors import ParameterError
 
-Section = TypeVar("Section")
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
 
 PARAMS = Path("params.yaml")
 
 
-def read_section(cls: type[Section], section: str, path: Path = PARAMS) -> Section:
+def read_section[Section: DataclassInstance](
+    cls: type[Section], section: str, path: Path = PARAMS
+) -> Section:
     """A section of a YAML file as an instance of ``cls``.
 
     Args:
@@ -34,7 +38,7 @@ def read_section(cls: type[Section], section: str, path: Path = PARAMS) -> Secti
         valid = sorted(node) if isinstance(node, Mapping) else []
         if name not in valid:
             raise ParameterError(f"{where}: no section {name!r}; found: {', '.join(valid)}")
-        node, where = node[name], f"{where}: {name}" if node is None else _join(where, name)
+        node, where = node[name], _join(where, name)
     return from_mapping(cls, node, where)
 
 
@@ -58,7 +62,9 @@ def read_yaml(path: Path) -> dict[str, Any]:
     return content
 
 
-def from_mapping(cls: type[Section], mapping: object, where: str) -> Section:
+def from_mapping[Section: DataclassInstance](
+    cls: type[Section], mapping: object, where: str
+) -> Section:
     """An instance of the dataclass ``cls`` from a mapping, its types checked.
 
     Fields may be bool, int, float (an int will do), str, Path, None, Literal, unions of these,
@@ -73,7 +79,7 @@ def from_mapping(cls: type[Section], mapping: object, where: str) -> Section:
     """
     if not isinstance(mapping, Mapping):
         raise ParameterError(f"{where}: found {mapping!r}, expected a mapping")
-    fields = {field.name: field for field in dataclasses.fields(cls) if field.init}  # pyright: ignore[reportArgumentType]
+    fields = {field.name: field for field in dataclasses.fields(cls) if field.init}
     for name in mapping:
         if name not in fields:
             raise ParameterError(f"{where}: unknown parameter {name!r}; valid: {', '.join(fields)}")
@@ -125,28 +131,20 @@ def _checked(kind: Any, value: Any, where: str) -> Any:
         return float(value)
     if kind is Path and isinstance(value, str):
         return Path(value)
-    if kind in (None, types.NoneType) and value is None:
-        return None
     if kind in (bool, int, float, str) and type(value) is kind:
         return value
     expected = getattr(kind, "__name__", str(kind)) if origin is None else str(kind)
     raise ParameterError(f"{where}: found {value!r}, expected {expected}")
 
 
-def _checked_union(arguments: tuple[Any, ...], value: Any, where: str) -> Any:
-    for kind in arguments:
-        try:
+def _checked_union(kinds: tuple[Any, ...], value: Any, where: str) -> Any:
+    wanted = [kind for kind in kinds if kind is not types.NoneType]
+    if value is None and len(wanted) < len(kinds):
+        return None
+    for kind in wanted[:-1]:
+        with contextlib.suppress(ParameterError):
             return _checked(kind, value, where)
-        except ParameterError as error:
-            mistake = error
-            # A mapping can only have been meant for the dataclass, whose message says more.
-            if isinstance(value, Mapping) and dataclasses.is_dataclass(kind):
-                raise
-    if len(arguments) == 2 and types.NoneType in arguments:
-        first = next(kind for kind in arguments if kind is not types.NoneType)
-        return _checked(first, value, where)
-    names = " or ".join(getattr(kind, "__name__", str(kind)) for kind in arguments)
-    raise ParameterError(f"{where}: found {value!r}, expected {names}") from mistake
+    return _checked(wanted[-1], value, where)
 
 
 def _checked_tuple(kinds: tuple[Any, ...], value: Any, where: str) -> tuple[Any, ...]:

@@ -6,11 +6,9 @@ import io
 import os
 import sys
 from collections.abc import Iterable
-from typing import TextIO, TypeVar
+from typing import TextIO, cast
 
 from tqdm import tqdm
-
-Item = TypeVar("Item")
 
 LINE_INTERVAL = 5.0  # seconds between two lines where there is no terminal
 
@@ -31,13 +29,15 @@ class _Lines(io.TextIOBase):
         self._stream.flush()
 
 
-def progress(work: Iterable[Item] | int, description: str = "", unit: str = "it") -> tqdm[Item]:
+def progress[Item](
+    work: Iterable[Item] | int, description: str = "", unit: str = "it"
+) -> tqdm[Item]:
     """A tqdm bar over an iterable, or over a count to be moved on with ``.update(n)``.
 
     On a terminal it is a bar. Elsewhere it is silent, so that logs and tests stay clean, unless
     the environment has ``LFR_PROGRESS=1``: then a line every few seconds.
     """
-    iterable = None if isinstance(work, int) else work
+    iterable = cast("Iterable[Item]", None if isinstance(work, int) else work)
     total = work if isinstance(work, int) else None
     terminal = sys.stderr.isatty()
     lines = not terminal and os.environ.get("LFR_PROGRESS") == "1"
