@@ -1,0 +1,1 @@
+"""Recorded episodes: MCAP logs, LeRobot datasets packed from them, and windows for training."""

@@ -1,0 +1,142 @@
+"""An episode, and the schema of every feature that is recorded of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+FPS = 20  # control steps per second; a frame is a control step
+STATE = "observation.state"
+ENVIRONMENT_STATE = "observation.environment_state"
+JOINT_POSITION = "observation.joint_position"
+ACTION = "action"
+REWARD = "next.reward"
+SUCCESS = "next.success"
+DONE = "next.done"
+IMAGES = "observation.images."  # + camera name
+
+ACTION_NAMES = ("dx", "dy", "dz", "drx", "dry", "drz", "gripper")
+JOINT_NAMES = tuple(f"joint_{i}" for i in range(7))
+
+
+@dataclass(frozen=True)
+class Feature:
+    """Schema of one feature: a vector, or a scalar stored with shape (1,).
+
+    `names` is None where the robot or the task decides them; `features` fills them in.
+    """
+
+    key: str
+    dtype: str
+    names: tuple[str, ...] | None
+    about: str  # quantity, unit and frame, for the dataset card
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """(number of names,); a scalar has (1,), as LeRobot writes it."""
+        return (len(self.names or ()),)
+
+
+FEATURES: tuple[Feature, ...] = (
+    Feature(
+        STATE,
+        "float32",
+        None,
+        "end effector in the robot's base frame: position (m), rotation as the first two columns "
+        "of its matrix, gripper aperture (m) and gripper command in [-1, 1] (+1 closes)",
+    ),
+    Feature(
+        ENVIRONMENT_STATE,
+        "float32",
+        None,
+        "objects in the robot's base frame: positions and offsets (m), axes as unit vectors, yaw "
+        "relative to the end effector as cosine and sine of its symmetry's multiple",
+    ),
+    Feature(JOINT_POSITION, "float32", None, "arm joint angles (rad), base to wrist"),
+    Feature(
+        ACTION,
+        "float32",
+        ACTION_NAMES,
+        "end effector delta in [-1, 1], in the base frame: translation x 0.05 m, axis-angle "
+        "rotation x 0.5 rad, gripper (+1 closes)",
+    ),
+    Feature(REWARD, "float32", ("reward",), "robosuite's dense reward after the action"),
+    Feature(SUCCESS, "bool", ("success",), "robosuite's success check after the action"),
+    Feature(DONE, "bool", ("done",), "true at the episode's last frame"),
+)
+
+
+def features(
+    state_names: Sequence[str],
+    environment_names: Sequence[str],
+    joint_names: Sequence[str] = JOINT_NAMES,
+) -> dict[str, Feature]:
+    """FEATURES with every dimension named, by key, in the order of a dataset's columns."""
+    given = {
+        STATE: state_names,
+        ENVIRONMENT_STATE: environment_names,
+        JOINT_POSITION: joint_names,
+    }
+    return {
+        f.key: Feature(f.key, f.dtype, tuple(given.get(f.key, f.names or ())), f.about)
+        for f in FEATURES
+    }
+
+
+@dataclass(frozen=True)
+class EpisodeInfo:
+    """What is known of an episode before its first frame, and kept with it.
+
+    `attempt` counts the tries of this seed or worker (failed ones are not kept), `controller`
+    names the controller and its settings, `extra` is for whatever else the recorder knows.
+    """
+
+    robot: str
+    task: str
+    seed: int
+    instruction: str
+    state_names: tuple[str, ...]
+    environment_names: tuple[str, ...]
+    joint_names: tuple[str, ...] = JOINT_NAMES
+    attempt: int = 0
+    controller: str = "OSC_POSE"
+    extra: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def features(self) -> dict[str, Feature]:
+        return features(self.state_names, self.environment_names, self.joint_names)
+
+
+@dataclass(frozen=True)
+class Episode:
+    """One recorded episode of T frames.
+
+    Row t of a feature is what was observed before action t, action t itself, and (`next.*`) what
+    came of it. `features[key]` is (T, *shape), a scalar feature (T,). `simulator_state` is
+    (T + 1, S) float64: the state before each action and, last, after the final one. `images` maps
+    a camera's name to T JPEG files. `metadata` is what the log says of itself: instruction,
+    attempt, controller, fps, the schema of each feature, provenance.
+    """
+
+    robot: str
+    task: str
+    seed: int
+    success: bool
+    features: Mapping[str, np.ndarray]
+    simulator_state: np.ndarray
+    images: Mapping[str, Sequence[bytes]] = field(default_factory=dict)
+    metadata: Mapping[str, Any] = field(default_factory=dict)
+
+    def __len__(self) -> int:
+        return len(self.features[ACTION])
+
+    @property
+    def schema(self) -> dict[str, Feature]:
+        """The schema of each feature, with the names that the log gives."""
+        return {
+            key: Feature(key, f["dtype"], tuple(f["names"]), f["about"])
+            for key, f in self.metadata["features"].items()
+        }

@@ -1,0 +1,123 @@
+"""MCAP files as containers: whole or cut off, their counts, and their summary in a fixed order."""
+
+from __future__ import annotations
+
+import os
+import struct
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from itertools import groupby
+from pathlib import Path
+
+from mcap.exceptions import McapError
+from mcap.reader import McapReader, make_reader
+from mcap.stream_reader import CRCValidationError
+from zstandard import ZstdError
+
+from lfr.errors import DataError
+
+MAGIC = b"\x89MCAP0\r\n"
+_SCHEMA, _CHANNEL = 0x03, 0x04
+_FOOTER = struct.Struct("<BQQQI")  # opcode, length, summary start, summary offset start, CRC
+
+
+@contextmanager
+def open_whole(path: Path) -> Iterator[McapReader]:
+    """A reader of a finished MCAP file.
+
+    Raises:
+        DataError: the file is missing, no MCAP, cut off or damaged, also while it is being read.
+    """
+    if not path.is_file():
+        raise DataError("no such log; record it first", file=path)
+    with path.open("rb") as stream:
+        start = stream.read(len(MAGIC))
+        if start != MAGIC:
+            raise DataError(
+                "not an MCAP file", file=path, found=f"first bytes {start!r}", expected=MAGIC
+            )
+        stream.seek(-min(len(MAGIC), path.stat().st_size), os.SEEK_END)
+        end = stream.read()
+        if end != MAGIC or path.stat().st_size < 2 * len(MAGIC) + _FOOTER.size:
+            raise DataError(
+                "cut-off MCAP file; record the episode again",
+                file=path,
+                found=f"{path.stat().st_size} bytes ending in {end!r}",
+                expected=f"an end of {MAGIC!r}",
+            )
+        stream.seek(0)
+        try:
+            yield make_reader(stream, validate_crcs=True)
+        # struct.error, ValueError, MemoryError: lengths and text read from damaged bytes
+        except (
+            McapError,
+            CRCValidationError,
+            ZstdError,
+            struct.error,
+            ValueError,
+            MemoryError,
+        ) as error:
+            raise DataError(
+                "damaged MCAP file; record the episode again",
+                file=path,
+                found=f"{type(error).__name__}: {error}",
+                expected="records as its checksums say",
+            ) from error
+
+
+def message_counts(path: Path) -> dict[str, int]:
+    """Number of messages on each topic, from the summary. Raises DataError as `open_whole`."""
+    with open_whole(path) as reader:
+        summary = reader.get_summary()
+        if summary is None or summary.statistics is None:
+            return {}
+        counts = summary.statistics.channel_message_counts
+        return {channel.topic: counts.get(id, 0) for id, channel in summary.channels.items()}
+
+
+def settle(path: Path) -> None:
+    """Put the summary's schemas and channels in the order of their ids, and sync the file.
+
+    foxglove-sdk 0.25 writes them in the order of a hash table, so the same messages gave another
+    file each time. The groups keep their sizes, so no offset changes, only the summary's CRC.
+
+    Raises:
+        DataError: the file has no footer where one must be.
+    """
+    with path.open("r+b") as stream:
+        end = stream.seek(0, os.SEEK_END)
+        footer_at = end - len(MAGIC) - _FOOTER.size
+        if footer_at < len(MAGIC):
+            raise DataError("cut-off MCAP file", file=path, found=f"{end} bytes")
+        stream.seek(footer_at)
+        opcode, length, summary_at, offsets_at, _ = _FOOTER.unpack(stream.read(_FOOTER.size))
+        if opcode != 0x02 or not len(MAGIC) <= summary_at <= offsets_at <= footer_at:
+            raise DataError("cut-off MCAP file", file=path, found=f"opcode {opcode}")
+        stream.seek(summary_at)
+        summary, offsets = stream.read(offsets_at - summary_at), stream.read(footer_at - offsets_at)
+
+        settled = b"".join(
+            record
+            for opcode, group in groupby(_records(summary), key=lambda record: record[0])
+            for record in (sorted(group, key=_id) if opcode in (_SCHEMA, _CHANNEL) else group)
+        )
+        # the CRC covers the summary, its offsets, and the footer up to the CRC itself
+        footer = _FOOTER.pack(0x02, length, summary_at, offsets_at, 0)[:-4]
+        crc = zlib.crc32(settled + offsets + footer)
+        stream.seek(summary_at)
+        stream.write(settled + offsets + footer + struct.pack("<I", crc) + MAGIC)
+        stream.flush()
+        os.fsync(stream.fileno())
+
+
+def _records(data: bytes) -> Iterator[bytes]:
+    at = 0
+    while at < len(data):
+        (length,) = struct.unpack_from("<Q", data, at + 1)
+        yield data[at : at + 9 + length]
+        at += 9 + length
+
+
+def _id(record: bytes) -> int:
+    return struct.unpack_from("<H", record, 9)[0]
