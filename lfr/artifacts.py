@@ -61,9 +61,9 @@ def write_whole(final: Path) -> Iterator[Path]:
         raise
 
 
-def write_json(path: Path, content: object) -> None:
+def write_json(path: Path, content: object, *, allow_nan: bool = False) -> None:
     """Write JSON whole, indented and with a final newline; NaN is refused (ValueError)."""
-    text = json.dumps(plain(content), indent=2, ensure_ascii=False, allow_nan=False)
+    text = json.dumps(plain(content), indent=2, ensure_ascii=False, allow_nan=allow_nan)
     with write_whole(path) as partial:
         partial.write_text(text + "\n", encoding="utf-8")
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import partial
 from pathlib import Path
 
 
@@ -12,6 +11,14 @@ class LfrError(Exception):
 
     exit_code = 2
 
+    def __reduce__(self) -> tuple[object, ...]:
+        """Pickles whatever the subclass's __init__ takes: jobs raise these in other processes."""
+        return _revive, (type(self), self.args), self.__dict__
+
+
+def _revive(cls: type[LfrError], args: tuple[object, ...]) -> LfrError:
+    return cls.__new__(cls, *args)
+
 
 class UnknownNameError(LfrError):
     """A name that is not among the valid ones, which the message lists."""
@@ -19,9 +26,6 @@ class UnknownNameError(LfrError):
     def __init__(self, kind: str, name: str, valid: Iterable[str]) -> None:
         self.kind, self.name, self.valid = kind, name, tuple(valid)
         super().__init__(f"unknown {kind} {name!r}; valid: {', '.join(self.valid) or '(none)'}")
-
-    def __reduce__(self) -> tuple[type, tuple[str, str, tuple[str, ...]]]:
-        return type(self), (self.kind, self.name, self.valid)
 
 
 class ParameterError(LfrError):
@@ -51,9 +55,6 @@ class DataError(LfrError):
         named = {"episode": episode, "column": column, "found": found, "expected": expected}
         details = [f"{name} {value}" for name, value in named.items() if value is not None]
         super().__init__(f"{message}: {', '.join([str(file), *details])}")
-
-    def __reduce__(self) -> tuple[partial[DataError], tuple[()]]:
-        return partial(type(self), **self.__dict__), ()
 
 
 class MissingLibraryError(LfrError):

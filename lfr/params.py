@@ -141,10 +141,13 @@ def _checked_union(kinds: tuple[Any, ...], value: Any, where: str) -> Any:
     wanted = [kind for kind in kinds if kind is not types.NoneType]
     if value is None and len(wanted) < len(kinds):
         return None
-    for kind in wanted[:-1]:
+    if len(wanted) == 1:
+        return _checked(wanted[0], value, where)
+    for kind in wanted:
         with contextlib.suppress(ParameterError):
             return _checked(kind, value, where)
-    return _checked(wanted[-1], value, where)
+    names = " or ".join(getattr(kind, "__name__", str(kind)) for kind in wanted)
+    raise ParameterError(f"{where}: found {value!r}, expected {names}")
 
 
 def _checked_tuple(kinds: tuple[Any, ...], value: Any, where: str) -> tuple[Any, ...]:

@@ -30,12 +30,13 @@ class _Lines(io.TextIOBase):
 
 
 def progress[Item](
-    work: Iterable[Item] | int, description: str = "", unit: str = "it"
+    work: Iterable[Item] | int, description: str = "", unit: str = "it", *, initial: int = 0
 ) -> tqdm[Item]:
     """A tqdm bar over an iterable, or over a count to be moved on with ``.update(n)``.
 
     On a terminal it is a bar. Elsewhere it is silent, so that logs and tests stay clean, unless
-    the environment has ``LFR_PROGRESS=1``: then a line every few seconds.
+    the environment has ``LFR_PROGRESS=1``: then a line every few seconds. ``initial`` is what was
+    done before and does not count for the rate.
     """
     iterable = cast("Iterable[Item]", None if isinstance(work, int) else work)
     total = work if isinstance(work, int) else None
@@ -44,6 +45,7 @@ def progress[Item](
     return tqdm(
         iterable,
         total=total,
+        initial=initial,
         desc=description or None,
         unit=f" {unit}",
         file=_Lines(sys.stderr) if lines else sys.stderr,
