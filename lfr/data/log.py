@@ -145,6 +145,7 @@ class EpisodeLog:
 
         Raises:
             ValueError: a vector has another length than the names given at the start.
+            DataError: the disk is full.
         """
         now = self._now()
         self._log_record(messages.OBSERVATION, frame.observation, now)
@@ -159,7 +160,7 @@ class EpisodeLog:
         self._success |= bool(frame.success)
         self._frames += 1
         if self._frames % FLUSH_FRAMES == 0:
-            self._writer.flush()
+            self._flush()
 
     def finish(
         self,
@@ -191,7 +192,7 @@ class EpisodeLog:
             self._writer.close()
             settle(self.partial)
             found = message_counts(self.partial)
-        except (OSError, RuntimeError, DataError) as error:  # the SDK wraps I/O in RuntimeError
+        except (OSError, RuntimeError, DataError) as error:
             self.abandon()
             raise DataError("the log was not written, is the disk full?", file=self.path) from error
         if found != dict(self._logged):
@@ -228,6 +229,12 @@ class EpisodeLog:
 
     def _now(self) -> int:
         return self._start + self._frames * (10**9 // FPS)
+
+    def _flush(self) -> None:
+        try:
+            self._writer.flush()
+        except RuntimeError as error:  # the SDK's word for an error of the disk
+            raise DataError("the log was not written, is the disk full?", file=self.path) from error
 
     def _write_metadata(self) -> None:
         info = asdict(self._info)
