@@ -1,0 +1,86 @@
+"""A run of control steps in one compiled call, with the GIL released.
+
+One compiled specialisation serves every robot and task: what differs is data (`SceneArrays`).
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from lfr.sim.libmujoco import Physics, mj_kinematics, mj_step1, mj_step2
+from lfr.sim.observation import observe
+from lfr.sim.osc import Controller, advance_gripper, set_goal, set_torques
+from lfr.sim.rewards import reward_and_success
+from lfr.sim.scene import SceneArrays
+
+SUBSTEPS = 25
+"""Physics steps of 2 ms in a control step of 50 ms."""
+
+LARGEST = 1e3
+"""Beyond this position (rad, m) or velocity (per s) the physics counts as diverged."""
+
+
+@njit(nogil=True, cache=True)
+def run(
+    physics: Physics,
+    scene: SceneArrays,
+    control: Controller,
+    actions: NDArray[np.float64],
+    stop_on_success: bool,
+    observations: NDArray[np.float64],
+    rewards: NDArray[np.float64],
+    successes: NDArray[np.bool_],
+) -> tuple[int, bool]:
+    """Apply actions (H, 7); fill observations (H, D), rewards (H,), successes (H,).
+
+    With H = 0 it only brings the kinematics up to date and writes the observation to row 0.
+
+    Returns:
+        The number of steps taken, and whether the last of them diverged; the observation of a
+        diverged step repeats the last finite one.
+    """
+    last = actions.shape[0]
+    if last == 0:
+        mj_kinematics(physics.model, physics.data)
+        observe(physics, scene, control, observations[0])
+    for t in range(last):
+        if not _finite(actions[t], math.inf) or not _control_step(
+            physics, scene, control, actions[t]
+        ):
+            if t > 0:
+                observations[t] = observations[t - 1]
+            rewards[t], successes[t] = 0.0, False
+            return t + 1, True
+        rewards[t], successes[t] = reward_and_success(physics, scene)
+        mj_kinematics(physics.model, physics.data)
+        observe(physics, scene, control, observations[t])
+        if stop_on_success and successes[t]:
+            return t + 1, False
+    return last, False
+
+
+@njit(nogil=True, cache=True)
+def _control_step(
+    physics: Physics, scene: SceneArrays, control: Controller, action: NDArray[np.float64]
+) -> bool:
+    """Goal at the first substep, torques at every one; False when the physics diverges."""
+    for substep in range(SUBSTEPS):
+        mj_step1(physics.model, physics.data)
+        if substep == 0:
+            set_goal(physics, scene, control, action)
+            advance_gripper(physics, scene, control, action[6])
+        set_torques(physics, scene, control)
+        mj_step2(physics.model, physics.data)
+        if not (_finite(physics.qvel, LARGEST) and _finite(physics.qpos, LARGEST)):
+            return False
+    return True
+
+
+@njit(nogil=True, cache=True)
+def _finite(values: NDArray[np.float64], bound: float) -> bool:
+    for i in range(values.shape[0]):
+        if not abs(values[i]) < bound:
+            return False
+    return True
