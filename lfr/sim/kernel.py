@@ -6,9 +6,9 @@ One compiled specialisation serves every robot and task: what differs is data (`
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from lfr.sim.compilation import compiled
 from lfr.sim.libmujoco import Physics, mj_kinematics, mj_step1, mj_step2
 from lfr.sim.observation import observe
 from lfr.sim.osc import Controller, advance_gripper, set_goal, set_torques
@@ -22,7 +22,7 @@ LARGEST = 1e3
 """Beyond this position (rad, m) or velocity (per s) the physics counts as diverged."""
 
 
-@njit(nogil=True, cache=True)
+@compiled
 def run(
     physics: Physics,
     scene: SceneArrays,
@@ -61,7 +61,7 @@ def run(
     return last, False
 
 
-@njit(nogil=True, cache=True)
+@compiled
 def _control_step(
     physics: Physics, scene: SceneArrays, control: Controller, action: NDArray[np.float64]
 ) -> bool:
@@ -78,9 +78,9 @@ def _control_step(
     return True
 
 
-@njit(nogil=True, cache=True)
+@compiled
 def _finite(values: NDArray[np.float64], bound: float) -> bool:
+    within = True
     for i in range(values.shape[0]):
-        if not abs(values[i]) < bound:
-            return False
-    return True
+        within &= abs(values[i]) < bound  # false for NaN too
+    return within

@@ -14,7 +14,7 @@ STATE_NAMES: tuple[str, ...] = (
     "gripper_aperture",
     "gripper_command",
 )
-"""`observation.state`, the same for every arm: base frame, m; columns of the rotation; m; [-1, 1]."""
+"""`observation.state`, the same for every arm, in the base frame: m; columns of R; m; [-1, 1]."""
 
 ACTION_NAMES: tuple[str, ...] = ("dx", "dy", "dz", "drx", "dry", "drz", "gripper")
 """`action`: OSC_POSE deltas in [-1, 1] (0.05 m and 0.5 rad each), gripper (+1 closes)."""

@@ -81,10 +81,10 @@ def load() -> None:
 def physics(model: mujoco.MjModel, data: mujoco.MjData) -> Physics:
     """Views of `data` for the kernel; they stay valid as long as `data` lives."""
     layout = _contact_layout()
-    count = _view(_energy(data) + layout.count_offset, ctypes.c_int32, 1)
+    count = _integers(_energy(data) + layout.count_offset, 1)
     # The contact array starts the arena, and the arena never moves.
     first = _first_contact(model, data)
-    flat = _view(first, ctypes.c_int32, MAX_CONTACTS * layout.stride // 4)
+    flat = _integers(first, MAX_CONTACTS * layout.stride // 4)
     geoms = flat.reshape(MAX_CONTACTS, layout.stride // 4)[:, :2]
     return Physics(
         model=model._address,
@@ -105,8 +105,8 @@ def physics(model: mujoco.MjModel, data: mujoco.MjData) -> Physics:
     )
 
 
-def _view(address: int, kind: type, size: int) -> NDArray[np.int32]:
-    return np.ctypeslib.as_array((kind * size).from_address(address))
+def _integers(address: int, size: int) -> NDArray[np.int32]:
+    return np.ctypeslib.as_array((ctypes.c_int32 * size).from_address(address))
 
 
 def _energy(data: mujoco.MjData) -> int:
@@ -131,7 +131,7 @@ def _contact_layout() -> _ContactLayout:
         model, data = _spheres(count)
         mujoco.mj_forward(model, data)
         energy = _energy(data)
-        values = _view(energy - 160, ctypes.c_int32, 40)
+        values = _integers(energy - 160, 40)
         matches = {4 * int(i) - 160 for i in np.flatnonzero(values == count)}
         candidates = matches if candidates is None else candidates & matches
         arena = ctypes.c_void_p.from_address(energy + 24).value or 0

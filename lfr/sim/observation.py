@@ -7,9 +7,9 @@ A function of the joint positions and the gripper command alone: all poses come 
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from lfr.sim.compilation import compiled
 from lfr.sim.libmujoco import Physics
 from lfr.sim.osc import Controller
 from lfr.sim.scene import SceneArrays
@@ -18,7 +18,7 @@ LIFT, STACK, PICK_PLACE, NUT_ASSEMBLY = range(4)
 """`Task.identifier` of the four tasks."""
 
 
-@njit(nogil=True, cache=True)
+@compiled
 def observe(
     physics: Physics, scene: SceneArrays, control: Controller, out: NDArray[np.float64]
 ) -> None:
@@ -53,7 +53,7 @@ def observe(
         _yaw(physics, scene, body, physics.xmat[scene.peg_body], 4.0, out, 28)
 
 
-@njit(nogil=True, cache=True)
+@compiled
 def _relative(
     physics: Physics,
     scene: SceneArrays,
@@ -69,7 +69,7 @@ def _relative(
             out[at + i] += base[3 * k + i] * (point[k] - origin[k])
 
 
-@njit(nogil=True, cache=True)
+@compiled
 def _column(
     physics: Physics,
     scene: SceneArrays,
@@ -86,7 +86,7 @@ def _column(
             out[at + i] += base[3 * k + i] * matrix[3 * k + column]
 
 
-@njit(nogil=True, cache=True)
+@compiled
 def _difference(
     source: NDArray[np.float64], first: int, second: int, out: NDArray[np.float64], at: int
 ) -> None:
@@ -94,7 +94,7 @@ def _difference(
         out[at + i] = source[first + i] - source[second + i]
 
 
-@njit(nogil=True, cache=True)
+@compiled
 def _yaw(
     physics: Physics,
     scene: SceneArrays,
@@ -109,7 +109,7 @@ def _yaw(
     out[at], out[at + 1] = math.cos(angle), math.sin(angle)
 
 
-@njit(nogil=True, cache=True)
+@compiled
 def _psi(physics: Physics, scene: SceneArrays, matrix: NDArray[np.float64]) -> float:
     base = physics.xmat[scene.base_body]
     x = base[0] * matrix[0] + base[3] * matrix[3] + base[6] * matrix[6]

@@ -17,9 +17,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from lfr.sim.compilation import compiled
 from lfr.sim.libmujoco import Physics
 from lfr.sim.scene import SceneArrays
 
@@ -56,7 +56,7 @@ def controller() -> Controller:
     return Controller(*(np.zeros(shape) for shape in shapes))
 
 
-@njit(nogil=True, cache=True)
+@compiled
 def rotation_of(rx: float, ry: float, rz: float, out: NDArray[np.float64]) -> None:
     """Rotation matrix of a rotation vector (rad).
 
@@ -74,7 +74,7 @@ def rotation_of(rx: float, ry: float, rz: float, out: NDArray[np.float64]) -> No
     out[2, 0], out[2, 1], out[2, 2] = x * z - y * w, y * z + x * w, 1.0 - x * x - y * y
 
 
-@njit(nogil=True, cache=True)
+@compiled
 def set_goal(
     physics: Physics, scene: SceneArrays, control: Controller, action: NDArray[np.float64]
 ) -> None:
@@ -103,7 +103,7 @@ def set_goal(
             control.goal_rotation[i, j] = total
 
 
-@njit(nogil=True, cache=True)
+@compiled
 def advance_gripper(
     physics: Physics, scene: SceneArrays, control: Controller, command: float
 ) -> None:
@@ -116,7 +116,7 @@ def advance_gripper(
         physics.ctrl[JOINTS + i] = 0.5 * (high + low) + 0.5 * (high - low) * target
 
 
-@njit(nogil=True, cache=True)
+@compiled
 def set_torques(physics: Physics, scene: SceneArrays, control: Controller) -> None:
     """Torques of the arm (N m) for the current state and goal, clipped to the actuators' limits."""
     _jacobian(physics, scene, control)
@@ -142,7 +142,7 @@ def set_torques(physics: Physics, scene: SceneArrays, control: Controller) -> No
         physics.ctrl[j] = min(max(torque, scene.ctrl_range[j, 0]), scene.ctrl_range[j, 1])
 
 
-@njit(nogil=True, cache=True)
+@compiled
 def _jacobian(physics: Physics, scene: SceneArrays, control: Controller) -> None:
     position, J = physics.site_xpos[scene.grip_site], control.jacobian
     for j in range(JOINTS):  # hinge joints in a chain: a x (p - anchor), a
@@ -154,7 +154,7 @@ def _jacobian(physics: Physics, scene: SceneArrays, control: Controller) -> None
         J[3, j], J[4, j], J[5, j] = ax, ay, az
 
 
-@njit(nogil=True, cache=True)
+@compiled
 def _operational_inertia(physics: Physics, scene: SceneArrays, control: Controller) -> None:
     M, L, J, Y = control.mass, control.factor, control.jacobian, control.half
     for i in range(JOINTS):
@@ -180,7 +180,7 @@ def _operational_inertia(physics: Physics, scene: SceneArrays, control: Controll
     _factorise(control.rotational, 3)
 
 
-@njit(nogil=True, cache=True)
+@compiled
 def _wrench(physics: Physics, scene: SceneArrays, control: Controller) -> None:
     position, R = physics.site_xpos[scene.grip_site], physics.site_xmat[scene.grip_site]
     D, J, w = control.goal_rotation, control.jacobian, control.wrench
@@ -199,7 +199,7 @@ def _wrench(physics: Physics, scene: SceneArrays, control: Controller) -> None:
         w[i] -= KD * velocity
 
 
-@njit(nogil=True, cache=True)
+@compiled
 def _factorise(A: NDArray[np.float64], n: int) -> None:
     """Lower Cholesky factor in place; a direction without inertia gets no force (as by pinv)."""
     for i in range(n):
@@ -213,7 +213,7 @@ def _factorise(A: NDArray[np.float64], n: int) -> None:
                 A[i, j] = total / A[j, j]
 
 
-@njit(nogil=True, cache=True)
+@compiled
 def _solve(L: NDArray[np.float64], n: int, x: NDArray[np.float64], offset: int) -> None:
     """x[offset:offset+n] <- (L L^T)^-1 x."""
     for i in range(n):

@@ -9,9 +9,9 @@ term, which is therefore complete during the 1.3 s until they have fallen; here 
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from lfr.sim.compilation import compiled
 from lfr.sim.libmujoco import MAX_CONTACTS, Physics
 from lfr.sim.observation import LIFT, PICK_PLACE, STACK
 from lfr.sim.scene import FIRST_OBJECT, LEFT_PAD, RIGHT_PAD, SECOND_OBJECT, SceneArrays
@@ -20,7 +20,7 @@ REACH, GRASP, LIFTED, HOVER = 0.1, 0.35, 0.5, 0.7
 """Largest rewards of the stages of PickPlace and NutAssembly."""
 
 
-@njit(nogil=True, cache=True)
+@compiled
 def reward_and_success(physics: Physics, scene: SceneArrays) -> tuple[float, bool]:
     """Dense reward and success of the state that the last substep started from."""
     grasped, stacked = _contacts(physics, scene)
@@ -39,7 +39,7 @@ def reward_and_success(physics: Physics, scene: SceneArrays) -> tuple[float, boo
     )
 
 
-@njit(nogil=True, cache=True)
+@compiled
 def _contacts(physics: Physics, scene: SceneArrays) -> tuple[bool, bool]:
     """Whether both pads touch the first object, and whether the two objects touch."""
     left = right = stacked = False
@@ -56,17 +56,17 @@ def _contacts(physics: Physics, scene: SceneArrays) -> tuple[bool, bool]:
     return left and right, stacked
 
 
-@njit(nogil=True, cache=True)
+@compiled
 def _distance(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
     return math.sqrt((a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2 + (a[2] - b[2]) ** 2)
 
 
-@njit(nogil=True, cache=True)
+@compiled
 def _near(distance: float) -> float:
     return 1.0 - math.tanh(10.0 * distance)
 
 
-@njit(nogil=True, cache=True)
+@compiled
 def _lift(
     scene: SceneArrays, position: NDArray[np.float64], distance: float, grasped: bool
 ) -> tuple[float, bool]:
@@ -78,7 +78,7 @@ def _lift(
     return reward / 2.25, False
 
 
-@njit(nogil=True, cache=True)
+@compiled
 def _stack(
     scene: SceneArrays,
     position: NDArray[np.float64],
@@ -96,7 +96,7 @@ def _stack(
     return max(reach, lift, 2.0 if success else 0.0) / 2.0, success
 
 
-@njit(nogil=True, cache=True)
+@compiled
 def _staged(
     scene: SceneArrays, z: float, reach: float, grasped: bool, apart: float, above: bool
 ) -> float:
@@ -110,7 +110,7 @@ def _staged(
     return max(_near(reach) * REACH, grasp, lift, hover)
 
 
-@njit(nogil=True, cache=True)
+@compiled
 def _pick_place(
     scene: SceneArrays, position: NDArray[np.float64], distance: float, grasped: bool
 ) -> tuple[float, bool]:
@@ -122,7 +122,7 @@ def _pick_place(
     return _staged(scene, position[2], distance, grasped, math.hypot(dx, dy), above), False
 
 
-@njit(nogil=True, cache=True)
+@compiled
 def _nut_assembly(
     scene: SceneArrays,
     position: NDArray[np.float64],

@@ -1,14 +1,13 @@
 """One arm in one task on the compiled engine."""
 
 import functools
-import sys
-from pathlib import Path
 
 import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lfr.sim import kernel, libmujoco, osc
+from lfr.sim.compilation import announce_compilation
 from lfr.sim.layout import ObservationLayout, Steps
 from lfr.sim.placement import Start
 from lfr.sim.scene import Scene, build_scene
@@ -40,7 +39,7 @@ class Simulation:
         self._physics = libmujoco.physics(self._model, self._data)
         self._control = osc.controller()
         self._cube_size = np.zeros(3)
-        _announce_compilation()
+        announce_compilation()
         self.reset(0)
 
     def reset(self, seed: int) -> NDArray[np.float64]:
@@ -168,12 +167,3 @@ def simulation(robot: str, task: str) -> Simulation:
 @functools.cache
 def _scene(robot: str, task: str) -> Scene:
     return build_scene(robot, task)
-
-
-@functools.cache
-def _announce_compilation() -> None:
-    """Say once that the kernel is about to be compiled, where no cache holds it."""
-    stats = kernel.run.stats
-    cached = Path(stats.cache_path) if stats.cache_path else None
-    if cached is None or not any(cached.glob("kernel.run-*.nbi")):
-        print("compiling the simulation kernel, once (about 20 s)", file=sys.stderr, flush=True)
