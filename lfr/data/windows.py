@@ -1,0 +1,188 @@
+"""Training data: a dataset's rows as tensors, and windows of actions gathered from them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from lfr.data import tables
+from lfr.data.episode import ACTION, ENVIRONMENT_STATE, REWARD, STATE, SUCCESS
+from lfr.data.tables import DatasetFiles
+from lfr.errors import DataError
+
+
+@dataclass(frozen=True)
+class DemonstrationSet:
+    """The episodes of one dataset, end to end.
+
+    Attributes:
+        observations: (N, D) float32, observation.state then observation.environment_state.
+        actions: (N, A) float32.
+        rewards: (N,) float32, after the action of the same row.
+        successes: (N,) bool, after the action of the same row.
+        starts: (E + 1,) int64; episode e is the rows starts[e] to starts[e + 1] - 1.
+        observation_names, action_names: of each dimension.
+        robot, task, fps: as the dataset says; the task is "" where it does not.
+        seeds: of each episode, or () where the dataset does not say.
+    """
+
+    observations: Tensor
+    actions: Tensor
+    rewards: Tensor
+    successes: Tensor
+    starts: Tensor
+    observation_names: tuple[str, ...]
+    action_names: tuple[str, ...]
+    robot: str
+    task: str
+    fps: int
+    seeds: tuple[int, ...] = ()
+
+    def __len__(self) -> int:
+        """Number of rows."""
+        return len(self.actions)
+
+    @property
+    def episodes(self) -> int:
+        return len(self.starts) - 1
+
+    @property
+    def lengths(self) -> Tensor:
+        """(E,) rows of each episode."""
+        return self.starts.diff()
+
+    def select(self, episodes: Sequence[int]) -> DemonstrationSet:
+        """The episodes of these numbers, in this order."""
+        chosen = torch.as_tensor(list(episodes), dtype=torch.int64)
+        bounds = [(int(self.starts[e]), int(self.starts[e + 1])) for e in chosen.tolist()]
+        pieces = [torch.arange(first, end) for first, end in bounds]
+        rows = torch.cat(pieces) if pieces else torch.empty(0, dtype=torch.int64)
+        starts = torch.zeros(len(chosen) + 1, dtype=torch.int64)
+        starts[1:] = self.lengths[chosen].cumsum(0)
+        return DemonstrationSet(
+            self.observations[rows],
+            self.actions[rows],
+            self.rewards[rows],
+            self.successes[rows],
+            starts,
+            self.observation_names,
+            self.action_names,
+            self.robot,
+            self.task,
+            self.fps,
+            tuple(self.seeds[e] for e in chosen.tolist()) if self.seeds else (),
+        )
+
+    def split(self, held_out: float, seed: int) -> tuple[DemonstrationSet, DemonstrationSet]:
+        """Training and held-out episodes, drawn by episode so that no window is seen from both.
+
+        Args:
+            held_out: fraction of the episodes, rounded, but at least one and never all of them
+                where it lies between 0 and 1 and there are two episodes or more; 0 holds out none.
+            seed: the same seed and number of episodes give the same split.
+        """
+        if not 0 <= held_out < 1:
+            raise ValueError(f"held_out is a fraction in [0, 1), found {held_out}")
+        count = round(held_out * self.episodes)
+        if held_out > 0 and self.episodes > 1:
+            count = min(max(count, 1), self.episodes - 1)
+        order = np.random.default_rng(seed).permutation(self.episodes)
+        return self.select(sorted(order[count:])), self.select(sorted(order[:count]))
+
+
+class WindowBatch(NamedTuple):
+    """Windows of H actions.
+
+    `observations` (B, D) where they start, `actions` (B, H, A), and `is_pad` (B, H) bool, true for
+    actions past the episode's end, which repeat its last.
+    """
+
+    observations: Tensor
+    actions: Tensor
+    is_pad: Tensor
+
+
+class Windows:
+    """All windows of `horizon` actions in a set of demonstrations.
+
+    Not padded, a window lies within one episode. Padded, one starts at every row, and the
+    episode's last action is repeated past its end: what LeRobotDataset returns for
+    `delta_timestamps={"action": [0, 1 / fps, ...]}`, a test proves.
+    """
+
+    def __init__(self, demonstrations: DemonstrationSet, horizon: int, *, padded: bool) -> None:
+        if horizon < 1:
+            raise ValueError(f"a window has at least one action, found a horizon of {horizon}")
+        self.demonstrations, self.horizon, self.padded = demonstrations, horizon, padded
+        lengths = demonstrations.lengths
+        rows = torch.arange(len(demonstrations))
+        last = (demonstrations.starts[1:] - 1).repeat_interleave(lengths)  # of the row's episode
+        starting = torch.ones_like(rows, dtype=torch.bool) if padded else rows + horizon - 1 <= last
+        self.starts = rows[starting]  # (M,) row of each window's first action
+        self._last = last[starting]  # (M,) row of its episode's last action
+
+    def __len__(self) -> int:
+        return len(self.starts)
+
+    def gather(self, index: Tensor) -> WindowBatch:
+        """The windows of these numbers, (B,) int64 in [0, len)."""
+        rows = self.starts[index, None] + torch.arange(self.horizon)  # (B, H)
+        last = self._last[index, None]
+        actions = self.demonstrations.actions[rows.minimum(last)]
+        return WindowBatch(
+            self.demonstrations.observations[self.starts[index]], actions, rows > last
+        )
+
+    def all(self) -> WindowBatch:
+        return self.gather(torch.arange(len(self)))
+
+
+def read_dataset(path: Path) -> DemonstrationSet:
+    """Read a LeRobot v3.0 dataset from its Parquet files.
+
+    Raises:
+        DataError: there is no dataset, a file is cut off, or a column is missing. `check_dataset`
+            looks at the values too.
+    """
+    files = DatasetFiles.open(Path(path))
+    columns = (STATE, ENVIRONMENT_STATE, ACTION, REWARD, SUCCESS)
+    for column in columns:
+        if column not in files.features:
+            raise DataError(
+                "a column is missing",
+                file=files.path / "meta" / "info.json",
+                column=column,
+                found=", ".join(files.features),
+                expected=column,
+            )
+    table = files.data(columns)
+    state, environment, action, reward, success = (tables.values(table, c) for c in columns)
+    lengths = files.episodes["length"].to_numpy()
+    if lengths.sum() != len(action):
+        raise DataError(
+            "another number of rows than the episodes have; pack the logs again",
+            file=files.path,
+            found=len(action),
+            expected=int(lengths.sum()),
+        )
+    seeds = files.episodes["seed"].to_pylist() if "seed" in files.episodes.column_names else ()
+    names = {key: tuple(files.features[key]["names"]) for key in (STATE, ENVIRONMENT_STATE, ACTION)}
+    return DemonstrationSet(
+        observations=torch.from_numpy(np.concatenate([state, environment], axis=1)),
+        actions=torch.from_numpy(np.array(action)),
+        rewards=torch.from_numpy(np.array(reward)),
+        successes=torch.from_numpy(np.array(success)),
+        starts=torch.from_numpy(np.concatenate([[0], np.cumsum(lengths)])),
+        observation_names=names[STATE] + names[ENVIRONMENT_STATE],
+        action_names=names[ACTION],
+        robot=files.info.get("robot_type") or "",
+        task=", ".join(files.task_names()),
+        fps=files.info["fps"],
+        seeds=tuple(seeds),
+    )
