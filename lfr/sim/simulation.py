@@ -100,6 +100,10 @@ class Simulation:
         self._observation = row[0]
         return row[0].copy()
 
+    def position(self) -> NDArray[np.float64]:
+        """(nq,): generalized positions of the arm, the fingers and the task's objects."""
+        return self._data.qpos.copy()
+
     def joint_position(self) -> NDArray[np.float64]:
         """(7,) rad."""
         return self._data.qpos[: osc.JOINTS].copy()

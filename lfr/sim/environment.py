@@ -1,0 +1,119 @@
+"""Gymnasium environments on the compiled engine: `lfr/Lift-Panda-v0` and its seven siblings.
+
+    import gymnasium
+    import lfr.sim.environment
+    environment = gymnasium.make("lfr/Lift-Panda-v0")
+
+An action is a `Box(-1, 1, (7,))`, an observation the float64 vector of `lfr.sim.layout`, the reward
+robosuite's dense one in [0, 1]. An episode ends ("terminated") when the physics diverges, with
+`info["diverged"]`, and is cut ("truncated") at the task's horizon; success is
+`info["is_success"]` and ends nothing.
+"""
+
+import logging
+from typing import Any, ClassVar
+
+import gymnasium
+import numpy as np
+from gymnasium.envs.registration import register
+from numpy.typing import NDArray
+
+from lfr.robots import ROBOTS
+from lfr.sim.layout import ObservationLayout
+from lfr.sim.osc import JOINTS
+from lfr.tasks import TASKS
+
+_LOG = logging.getLogger(__name__)
+
+
+def environment_id(robot: str, task: str) -> str:
+    """Gymnasium's name of `robot` in `task`, e.g. `lfr/NutAssembly-Sawyer-v0`."""
+    words = "".join(word.capitalize() for word in task.split("_"))
+    return f"lfr/{words}-{robot.capitalize()}-v0"
+
+
+class Environment(gymnasium.Env[NDArray[np.float64], NDArray[np.float32]]):
+    """One arm in one task by Gymnasium's rules.
+
+    Args:
+        robot, task: as for `lfr.sim.simulation.Simulation`.
+        render_mode: `rgb_array` draws the agent's view, or None.
+    """
+
+    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array"], "render_fps": 20}
+
+    def __init__(self, robot: str, task: str, render_mode: str | None = None) -> None:
+        # Registration must stay cheap; building a scene imports robosuite.
+        from lfr.sim.simulation import Simulation
+
+        self.simulation = Simulation(robot, task)
+        self.render_mode = render_mode
+        self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (JOINTS,), np.float32)
+        low, high = observation_bounds(self.simulation.layout)
+        self.observation_space = gymnasium.spaces.Box(low, high, dtype=np.float64)
+        self._camera: Any = None
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[NDArray[np.float64], dict[str, Any]]:
+        super().reset(seed=seed)
+        start = int(self.np_random.integers(2**31)) if seed is None else seed
+        return self.simulation.reset(start), {"seed": start}
+
+    def step(
+        self, action: NDArray[np.float32]
+    ) -> tuple[NDArray[np.float64], float, bool, bool, dict[str, Any]]:
+        steps = self.simulation.step(action)
+        if steps.diverged:
+            _LOG.warning(
+                "%s-%s: the physics diverged; the episode ends",
+                self.simulation.robot.name,
+                self.simulation.task.name,
+            )
+        info = {"is_success": bool(steps.successes[-1]), "diverged": steps.diverged}
+        return steps.observations[-1], float(steps.rewards[-1]), steps.diverged, False, info
+
+    def render(self) -> Any:
+        """The agent's view (128, 128, 3) uint8, or None without a render mode."""
+        if self.render_mode is None:
+            return None
+        if self._camera is None:
+            from lfr.sim.camera import Camera
+
+            self._camera = Camera(self.simulation.robot.name, self.simulation.task.name)
+        return self._camera.render(self.simulation)
+
+    def close(self) -> None:
+        if self._camera is not None:
+            self._camera.close()
+            self._camera = None
+
+
+def observation_bounds(
+    layout: ObservationLayout,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Bounds (D,): 1 for directions, cosines and commands, 10 m for lengths."""
+    unit = ("eef_rot6d", "gripper_command")
+    bounded = [
+        name.split(".")[0] in unit or "_up." in name or "_yaw." in name for name in layout.names
+    ]
+    # A rotation matrix is orthonormal to rounding only.
+    high = np.where(bounded, 1.0 + 1e-6, 10.0)
+    return -high, high
+
+
+def register_environments() -> None:
+    """Make the eight environments known to Gymnasium; importing this module does it."""
+    for robot in ROBOTS.values():
+        for task in TASKS.values():
+            name = environment_id(robot.name, task.name)
+            if name not in gymnasium.registry:
+                register(
+                    name,
+                    entry_point="lfr.sim.environment:Environment",
+                    max_episode_steps=task.horizon,
+                    kwargs={"robot": robot.name, "task": task.name},
+                )
+
+
+register_environments()
