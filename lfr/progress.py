@@ -47,7 +47,7 @@ def progress[Item](
         total=total,
         initial=initial,
         desc=description or None,
-        unit=f" {unit}",
+        unit=unit,
         file=_Lines(sys.stderr) if lines else sys.stderr,
         mininterval=LINE_INTERVAL if lines else 0.2,
         maxinterval=LINE_INTERVAL if lines else 10.0,

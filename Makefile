@@ -1,0 +1,52 @@
+# make repro: from demonstrations to results.  make test: the tests.  Each sets up what it needs:
+# uv in .uv/ if the machine has none, Python 3.12 and the locked environment in .venv/.
+
+SHELL := /bin/bash -e
+UV := .uv/bin/uv
+READY := .venv/.ready
+export PATH := $(CURDIR)/.venv/bin:$(PATH)
+# If uv has to fetch a Python, it goes into the project.
+export UV_PYTHON_INSTALL_DIR := $(CURDIR)/.uv/python
+unexport VIRTUAL_ENV
+
+.PHONY: repro test test-slow check bench setup lock
+
+repro: setup
+	dvc repro
+
+test: setup
+	pytest
+
+test-slow: setup
+	pytest -m slow
+
+check: setup
+	ruff check .
+	ruff format --check .
+	pyright
+	lint-imports
+
+bench: setup
+	for benchmark in benchmarks/*.py; do python "$$benchmark"; done
+
+setup: $(READY)
+
+$(READY): requirements.lock pyproject.toml .python-version | $(UV)
+	$(UV) venv --quiet --allow-existing .venv
+	$(UV) pip sync --quiet --require-hashes requirements.lock
+	$(UV) pip install --quiet --no-deps --editable .
+	touch $@
+
+# A pyenv shim may be there and not work, so it is tried. Debian's own python3 stands in for a
+# shim of a version that is not installed.
+$(UV):
+	mkdir -p $(@D)
+	if uv --version >/dev/null 2>&1; then ln -sf "$$(command -v uv)" $@; else \
+	  python=python3; $$python --version >/dev/null 2>&1 || python=/usr/bin/python3; \
+	  $$python -m venv .uv && .uv/bin/python -m pip install --quiet uv; fi
+
+# Renews requirements.lock; it names packages and hashes, never the registry they came from.
+lock: | $(UV)
+	$(UV) pip compile pyproject.toml --extra cluster --extra dev --universal --upgrade \
+	  --generate-hashes --no-annotate --no-header --quiet -o requirements.lock
+	! grep -n '://' requirements.lock

@@ -1,0 +1,78 @@
+"""How a program of lfr starts and ends: arguments, errors in one line, exit codes."""
+
+from __future__ import annotations
+
+import argparse
+import errno
+import inspect
+import os
+import sys
+import threading
+import time
+from collections.abc import Callable, Sequence
+
+from lfr.errors import LfrError
+
+INTERRUPTED = 130  # what a shell reports for a program ended by Ctrl-C
+# Errors of the machine, which the reader can mend, and no traceback helps with.
+MACHINE = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EPERM)
+
+
+def run_program(main: Callable[[], None]) -> int:
+    """Call ``main`` and return the exit code.
+
+    An LfrError, a full disk, or a folder that may not be written becomes one line on stderr and
+    exit code 2; Ctrl-C exit code 130. Any other exception is a fault of ours and keeps its
+    traceback.
+    """
+    try:
+        main()
+    except LfrError as error:
+        print(f"lfr: error: {error}", file=sys.stderr)
+        return error.exit_code
+    except OSError as error:
+        if error.errno not in MACHINE:
+            raise
+        print(f"lfr: error: {error.strerror}: {error.filename}", file=sys.stderr)
+        return LfrError.exit_code
+    except KeyboardInterrupt:
+        print("lfr: stopped", file=sys.stderr)
+        return INTERRUPTED
+    return 0
+
+
+def run_stage(main: Callable[..., None], arguments: Sequence[str] | None = None) -> int:
+    """Run a pipeline stage whose keys are the parameters of ``main``, all of them strings.
+
+    ``def main(robot: str, task: str)`` is called by ``python -m pipeline.record --robot panda
+    --task lift``; the help is its docstring. A stage ends with
+    ``sys.exit(run_stage(main))``.
+    """
+    parser = argparse.ArgumentParser(
+        prog=f"python -m {_module(main)}", description=inspect.getdoc(main)
+    )
+    for name, parameter in inspect.signature(main).parameters.items():
+        required = parameter.default is inspect.Parameter.empty
+        option = f"--{name.replace('_', '-')}"
+        parser.add_argument(
+            option, dest=name, required=required, default=None if required else parameter.default
+        )
+    keys = vars(parser.parse_args(arguments))
+    if "DVC_STAGE" in os.environ:
+        threading.Thread(target=_end_with, args=(os.getppid(),), daemon=True).start()
+    return run_program(lambda: main(**keys))
+
+
+def _end_with(parent: int) -> None:
+    """End with the `dvc repro` that started this stage, even if that was killed outright.
+
+    The next `dvc repro` would otherwise run the stage a second time beside this one.
+    """
+    while os.getppid() == parent:
+        time.sleep(1.0)
+    os._exit(1)
+
+
+def _module(main: Callable[..., None]) -> str:
+    spec = getattr(sys.modules.get(main.__module__), "__spec__", None)
+    return spec.name if spec else main.__module__

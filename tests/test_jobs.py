@@ -1,0 +1,183 @@
+"""Jobs: the same results wherever they run, nothing finished is run again, deaths are survived."""
+
+import io
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+import torch
+from tqdm import tqdm
+
+from lfr.artifacts import fingerprint
+from lfr.errors import DataError, LfrError, UnknownNameError
+from lfr.jobs import report, run_jobs
+from lfr.jobs.here import run_here
+from lfr.jobs.pool import run_in_pool
+from lfr.jobs.tally import Tally
+from lfr.progress import progress
+
+from . import made_up_jobs as jobs
+
+
+def ran(folder: Path) -> list[int]:
+    return sorted(int(line) for line in (folder / "ran").read_text().split())
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_results_in_the_order_of_the_specs(workers: int) -> None:
+    results = run_jobs(jobs.square, [jobs.Spec(number) for number in (3, 1, 2)], workers=workers)
+    assert results == [{"square": n * n, "pair": [n, 0.1]} for n in (3, 1, 2)]
+    assert run_jobs(jobs.square, [], workers=workers) == []
+
+
+def test_the_same_bits_on_one_thread_wherever_it_runs() -> None:
+    before = torch.get_num_threads()
+    here = run_jobs(jobs.numerical, [0], workers=1)
+    there: list[list[float]] = []
+    with progress(1) as bar:  # one worker, so that torch is loaded once
+        run_in_pool(
+            jobs.numerical, {0: 0}, 1, Tally(bar, lambda index, result: there.append(result))
+        )
+    assert there == here
+    assert here[0][1] == 1
+    assert torch.get_num_threads() == before
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_finished_jobs_are_not_run_again(tmp_path: Path, workers: int) -> None:
+    work = tmp_path / "work"
+    first = [jobs.Spec(number, str(tmp_path)) for number in (1, 2)]
+    more = [jobs.Spec(number, str(tmp_path)) for number in (3, 1, 2)]
+    run_jobs(jobs.square, first, workers=workers, work=work)
+    results = run_jobs(jobs.square, more, workers=workers, work=work)
+    assert [result["square"] for result in results] == [9, 1, 4]
+    assert ran(tmp_path) == [1, 2, 3]
+    assert run_jobs(jobs.square, more, workers=1) == results  # fresh ones and kept ones are equal
+
+
+def test_what_is_kept_can_be_read(tmp_path: Path) -> None:
+    run_jobs(jobs.square, [jobs.Spec(2)], work=tmp_path)
+    (file,) = tmp_path.iterdir()
+    assert file.stem == fingerprint("tests.made_up_jobs.square", {"number": 2, "folder": ""})
+    assert json.loads(file.read_text())["result"]["square"] == 4
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_an_error_of_the_user_comes_through_as_itself(workers: int) -> None:
+    with pytest.raises(UnknownNameError, match=r"^unknown robot 'x'; valid: panda$") as caught:
+        run_jobs(jobs.unknown, ["x", "x"], workers=workers)
+    assert caught.value.valid == ("panda",)
+    with pytest.raises(DataError, match=r"^cut off: a.mcap, episode 3$") as damage:
+        run_jobs(jobs.damaged, ["a.mcap", "a.mcap"], workers=workers)
+    assert damage.value.episode == 3
+
+
+def test_a_fault_comes_through_with_its_traceback() -> None:
+    with pytest.raises(ZeroDivisionError):
+        run_jobs(jobs.faulty, [1, 2], workers=1)
+    with pytest.raises(RuntimeError, match=r"(?s)job \d failed.*in faulty.*ZeroDivisionError"):
+        run_jobs(jobs.faulty, [1, 2], workers=2)
+
+
+def test_a_killed_worker_costs_one_attempt(tmp_path: Path) -> None:
+    specs = [jobs.Spec(number, str(tmp_path)) for number in range(5)]
+    assert run_jobs(jobs.dies_once, specs, workers=2) == [0, 1, 2, 3, 4]
+    assert {path.name for path in tmp_path.iterdir()} == {"mark-1", "mark-3"}
+
+
+def test_a_job_that_always_kills_its_worker() -> None:
+    with pytest.raises(LfrError, match=r"the process of job 7 died 2 times \(SIGKILL\)"):
+        run_jobs(jobs.dies, [7, 7], workers=2)
+
+
+@pytest.mark.parametrize("backend", ["here", "pool"])
+def test_the_bar_shows_the_sum_of_what_jobs_report(backend: str) -> None:
+    seen: list[float] = []
+
+    class Bar(tqdm):
+        def update(self, n: float | None = 1) -> bool | None:
+            seen.append(self.n)
+            return super().update(n)
+
+    tally = Tally(Bar(total=2, file=io.StringIO()), lambda index, result: None)
+    if backend == "here":
+        run_here(jobs.reporting, {0: 2, 1: 2}, tally)
+    else:
+        run_in_pool(jobs.reporting, {0: 2, 1: 2}, 2, tally)
+    assert 0.5 in seen
+    assert seen[-1] == 2
+    assert max(seen) == 2
+
+
+def test_report_outside_a_job_does_nothing() -> None:
+    report(1, 2)
+
+
+PROGRAM = """
+import sys, time
+from pathlib import Path
+from lfr.jobs import run_jobs
+
+def slow(number):
+    (Path(sys.argv[1]) / f"started-{number}").touch()
+    time.sleep(0 if number < 2 else 60)
+    return number
+
+if __name__ == "__main__":
+    run_jobs(slow, [0, 1, 2, 3], workers=2, work=Path(sys.argv[1]) / "work")
+"""
+
+
+def start_program(folder: Path) -> subprocess.Popen[str]:
+    (folder / "program.py").write_text(PROGRAM)
+    process = subprocess.Popen(
+        [sys.executable, str(folder / "program.py"), str(folder)],
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    deadline = time.monotonic() + 60
+    while not (folder / "started-3").exists() or not (folder / "started-2").exists():
+        assert process.poll() is None
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+    return process
+
+
+def processes_of(folder: Path) -> list[str]:
+    lines = []
+    for path in Path("/proc").glob("[0-9]*/environ"):
+        try:
+            found = b"LFR_TEST_FOLDER=" + str(folder).encode() in path.read_bytes()
+        except OSError:
+            continue
+        if found:
+            lines.append(path.parent.name)
+    return lines
+
+
+@pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="needs Linux's /proc")
+@pytest.mark.parametrize("ending", [signal.SIGINT, signal.SIGKILL])
+def test_ended_from_outside(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ending: signal.Signals
+) -> None:
+    """It stops at once, keeps what was finished, and leaves no process behind."""
+    monkeypatch.setenv("LFR_TEST_FOLDER", str(tmp_path))
+    process = start_program(tmp_path)
+    if ending == signal.SIGINT:  # Ctrl-C in a terminal goes to the whole group
+        os.killpg(process.pid, ending)
+    else:
+        process.kill()
+    process.communicate(timeout=30)
+    deadline = time.monotonic() + 30
+    while processes_of(tmp_path):
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+    kept = [json.loads(file.read_text()) for file in (tmp_path / "work").iterdir()]
+    assert sorted(job["result"] for job in kept) == [0, 1]
+    assert all(job["function"] == "__main__.slow" for job in kept)
