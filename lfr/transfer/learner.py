@@ -1,0 +1,123 @@
+"""Soft actor-critic in the latent space of skills, its entropy replaced by Eq. 9 (Algorithm 2)."""
+
+from __future__ import annotations
+
+import copy
+
+import torch
+from torch import Tensor, nn
+
+from lfr.skills.gaussian import kl_divergence
+from lfr.transfer.critic import CriticEnsemble, critic_loss, pessimistic, td_target
+from lfr.transfer.optimizer import FlatAdam, flatten_parameters
+from lfr.transfer.params import TransferParams
+from lfr.transfer.policy import MappedPolicy
+from lfr.transfer.replay import Batch
+from lfr.transfer.temperature import Temperature
+
+Info = dict[str, Tensor]
+
+
+class Learner:
+    """Policy, critics, target critics and temperature, and how one batch changes them.
+
+    The policy's parameters become views into one vector, in place: the caller's policy is the one
+    that learns.
+
+    Args:
+        policy: pi' = phi o pi (Eq. 7), observations (B, D) to (mu, log_sigma).
+        normalizer: maps raw observations (B, D) to unit scale for the critics.
+        generator: all of the update's noise comes from it.
+    """
+
+    def __init__(
+        self,
+        policy: MappedPolicy,
+        normalizer: nn.Module,
+        observation_dim: int,
+        latent_dim: int,
+        params: TransferParams,
+        generator: torch.Generator,
+    ) -> None:
+        self.params, self.generator = params, generator
+        self.policy = policy
+        self.critics = CriticEnsemble(
+            copy.deepcopy(normalizer), observation_dim, latent_dim, params.critics,
+            params.critic_hidden, layer_norm=params.layer_norm,
+        )  # fmt: skip
+        self.target = copy.deepcopy(self.critics).requires_grad_(False)
+        self.temperature = Temperature(params.initial_alpha)
+        self.policy_adam = FlatAdam(policy, params.policy_lr)
+        self.critic_adam = FlatAdam(self.critics, params.critic_lr)
+        self.alpha_adam = FlatAdam(self.temperature, params.alpha_lr)
+        self.target_flat = flatten_parameters(self.target, trainable=False)
+
+    def update(self, batch: Batch, *, critics_only: bool = False) -> Info:
+        """One step of critics, policy and temperature; scalars that describe it, detached."""
+        noise = torch.randn(2, *batch.z.shape, generator=self.generator)
+        alpha = self.temperature()
+        with torch.no_grad():
+            target = self.targets(batch, alpha, noise[0])
+            inputs = self.critics.inputs(batch.observation)
+        q = self.critics.values(inputs, batch.z)
+        loss = critic_loss(q, target)
+        self.critic_adam.step(loss)
+        with torch.no_grad():
+            self.target_flat.lerp_(self.critic_adam.flat, self.params.tau)
+        info = {"critic_loss": loss.detach(), "q": q.detach().mean(), "alpha": alpha}
+        if critics_only:
+            return info
+        return info | self.improve(batch, inputs, alpha, noise[1])
+
+    def targets(self, batch: Batch, alpha: Tensor, noise: Tensor) -> Tensor:
+        """The TD targets (B,) of a batch, from the target critics and the policy as it is."""
+        mu, log_sigma = self.policy(batch.next_observation)
+        next_z = mu + log_sigma.exp() * noise
+        next_q = pessimistic(self.target(batch.next_observation, next_z), self.subset())
+        kl = kl_divergence(mu, log_sigma, batch.next_prior_mu, batch.next_prior_log_sigma)
+        return td_target(batch.reward, batch.discount, next_q, alpha, kl)
+
+    def subset(self) -> Tensor | None:
+        """REDQ: the members (target_subset,) whose minimum this update's target takes."""
+        if self.params.target_subset == 0:
+            return None
+        order = torch.randperm(self.params.critics, generator=self.generator)
+        return order[: self.params.target_subset]
+
+    def improve(self, batch: Batch, inputs: Tensor, alpha: Tensor, noise: Tensor) -> Info:
+        """One step of the policy on alpha KL - Q (Eq. 9), and of the temperature."""
+        mu, log_sigma = self.policy(batch.observation)
+        z = mu + log_sigma.exp() * noise  # reparameterised
+        q = self.critics.values(inputs, z)
+        # REDQ climbs the mean of its ensemble, SAC the lower of its two critics.
+        q = q.mean(0) if self.params.target_subset else pessimistic(q)
+        kl = kl_divergence(mu, log_sigma, batch.prior_mu, batch.prior_log_sigma).mean()
+        loss = alpha * kl - q.mean()
+        self.policy_adam.step(loss)
+        if not self.params.fixed_alpha:
+            self.alpha_adam.step(self.temperature.loss(kl, self.params.target_divergence))
+        sigma = log_sigma.detach().mean().exp()
+        return {"policy_loss": loss.detach(), "kl": kl.detach(), "sigma": sigma}
+
+    def state(self) -> dict[str, Tensor]:
+        """Everything that further updates depend on, but the replay buffer."""
+        state = {"target": self.target_flat.clone(), "random": self.generator.get_state()}
+        for name, adam in self._optimizers().items():
+            state |= {f"{name}.{key}": value for key, value in adam.state().items()}
+        return state
+
+    def load_state(self, state: dict[str, Tensor]) -> None:
+        self.target_flat.copy_(state["target"])
+        self.generator.set_state(state["random"])
+        for name, adam in self._optimizers().items():
+            prefix = f"{name}."
+            adam.load_state(
+                {k.removeprefix(prefix): v for k, v in state.items() if k.startswith(prefix)}
+            )
+
+    def _optimizers(self) -> dict[str, FlatAdam]:
+        return {
+            "policy": self.policy_adam,
+            "critics": self.critic_adam,
+            "temperature": self.alpha_adam,
+        }

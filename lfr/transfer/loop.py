@@ -1,0 +1,270 @@
+"""Algorithm 2: act by skills in the target's simulations, store, update, evaluate, checkpoint.
+
+One round executes one skill in each simulation, side by side, and then makes the updates that are
+due. Everything that the next round depends on is in ``state``, so a run that is killed and resumed
+ends bit for bit as one that was not.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from lfr.artifacts import plain
+from lfr.errors import LfrError
+from lfr.seeds import episode_seed
+from lfr.transfer.actor import as_tensor
+from lfr.transfer.checkpoint import load_checkpoint, save_checkpoint
+from lfr.transfer.environment import Array, Outcome, RewardRule, RunningEpisode, Simulated
+from lfr.transfer.learner import Learner
+from lfr.transfer.methods import Start
+from lfr.transfer.observer import CurvePoint, EpisodeRecord, Observer
+from lfr.transfer.params import TransferParams
+from lfr.transfer.replay import Batch, Replay
+from lfr.transfer.rollout import evaluate
+
+# A run's share of the learning seeds: evaluation starts first, learning starts after them.
+SEEDS_PER_RUN = 40_000
+EVALUATION_SEEDS = 1_000
+
+
+@dataclass
+class Progress:
+    """The counts of a run."""
+
+    env_steps: int = 0  # control steps executed while learning: the axis of every curve
+    skills: int = 0
+    episodes: int = 0  # begun
+    updates: int = 0
+    skills_before_updates: int = 0  # executed before the buffer held a batch
+
+
+class TransferLoop:
+    """A learning run of one method on one target task.
+
+    Args:
+        start: policy, frozen prior, decoder and normalizer (`lfr.transfer.methods`).
+        simulations: of the target arm and task, ``params.simulations`` of them.
+        seed: of the run; with it, everything is determined.
+        work: where checkpoints are kept; None keeps none.
+        observer: is told of episodes, updates and evaluations.
+
+    Raises:
+        LfrError: another number of simulations.
+        DataError: a checkpoint in ``work`` that is damaged or of another run.
+    """
+
+    def __init__(
+        self,
+        start: Start,
+        simulations: Sequence[Simulated],
+        params: TransferParams,
+        seed: int,
+        work: Path | None = None,
+        observer: Observer | None = None,
+    ) -> None:
+        if len(simulations) != params.simulations:
+            raise LfrError(f"found {len(simulations)} simulations, expected {params.simulations}")
+        self.actor, self.params, self.seed, self.work = start.actor, params, seed, work
+        self.observer = observer or Observer()
+        self.rule = RewardRule(params.reward, params.dense_scale)
+        self.generator = torch.Generator().manual_seed(seed)
+        with torch.random.fork_rng(devices=[]):
+            torch.manual_seed(seed)  # the critics' initial weights
+            self.learner = Learner(
+                start.actor.policy, start.normalizer, len(start.layout_names), start.latent_dim,
+                params, self.generator,
+            )  # fmt: skip
+        self.replay = Replay(params.replay, len(start.layout_names), start.latent_dim)
+        self.progress = Progress()
+        self.curve: list[CurvePoint] = []
+        self.sums: dict[str, float] = {}  # of infos since the last evaluation, and their counts
+        self.counts: dict[str, int] = {}
+        self.identity = plain({"params": plain(params), "seed": seed, "layout": start.layout_names})
+        self.episodes = [RunningEpisode(simulation) for simulation in simulations]
+        if not self._resume():
+            for episode in self.episodes:
+                self._begin(episode)
+            self._evaluate()
+
+    def run(self) -> list[CurvePoint]:
+        """Learn until ``params.steps`` environment steps are done; returns the curve."""
+        params, progress = self.params, self.progress
+        while progress.env_steps < params.steps:
+            before = progress.env_steps
+            self._act()
+            self._update()
+            self.observer.on_progress(min(progress.env_steps, params.steps), params.steps)
+            done = progress.env_steps >= params.steps
+            if done or _passed(before, progress.env_steps, params.evaluate_every):
+                self._evaluate()
+            if done or _passed(before, progress.env_steps, params.checkpoint_every):
+                self._checkpoint()
+        return self.curve
+
+    def _act(self) -> None:
+        """One skill in each simulation, and the transitions into the buffer."""
+        observations = np.stack([episode.observation for episode in self.episodes])
+        choice = self.actor.choose(as_tensor(observations), self.generator)
+        actions = self.actor.decode(choice.z)
+        outcomes = [
+            episode.execute(skill, self.rule)
+            for episode, skill in zip(self.episodes, actions, strict=True)
+        ]
+        self._store(as_tensor(observations), choice.z, outcomes)
+        self.progress.skills += len(outcomes)
+        for episode, outcome in zip(self.episodes, outcomes, strict=True):
+            self.progress.env_steps += outcome.steps
+            if outcome.over:
+                self._end(episode, valid=outcome.valid)
+                self._begin(episode)
+
+    def _store(self, observations: Tensor, z: Tensor, outcomes: Sequence[Outcome]) -> None:
+        keep = [i for i, outcome in enumerate(outcomes) if outcome.valid]
+        if not keep:
+            return
+        after = as_tensor(np.stack([outcomes[i].observation for i in keep]))
+        rewards = torch.tensor([outcomes[i].reward for i in keep])
+        # A terminal state ends the return; a time limit only ends the episode, so it bootstraps.
+        discounts = torch.tensor(
+            [0.0 if outcomes[i].terminated else self.params.gamma for i in keep]
+        )
+        with torch.no_grad():
+            prior, next_prior = self.actor.prior(observations[keep]), self.actor.prior(after)
+        self.replay.add(
+            Batch(observations[keep], z[keep], rewards, discounts, after, *prior, *next_prior)
+        )
+
+    def _update(self) -> None:
+        """The updates that are due: ``updates_per_skill`` for each skill since the first batch."""
+        params, progress = self.params, self.progress
+        if len(self.replay) < params.batch:
+            progress.skills_before_updates = progress.skills
+            return
+        skills = progress.skills - progress.skills_before_updates
+        critics_only = progress.env_steps < params.warm_up
+        infos = []
+        while progress.updates < int(params.updates_per_skill * skills):
+            batch = self.replay.sample(params.batch, self.generator)
+            infos.append(self.learner.update(batch, critics_only=critics_only))
+            progress.updates += 1
+        if not infos:
+            return
+        names = list(infos[0])
+        values = torch.stack([torch.stack([info[n] for n in names]) for info in infos]).double()
+        for name, total in zip(names, values.sum(0).tolist(), strict=True):
+            self._add(name, total, len(infos))
+        info = dict(zip(names, values[-1].tolist(), strict=True))
+        if not np.isfinite(list(info.values())).all():
+            raise LfrError(
+                f"the learner diverged after {progress.updates} updates: {info}; "
+                "lower transfer.critic_lr or transfer.policy_lr"
+            )
+        self.observer.on_update(progress.env_steps, progress.updates, info)
+
+    def _begin(self, episode: RunningEpisode) -> None:
+        starts = SEEDS_PER_RUN - EVALUATION_SEEDS
+        offset = EVALUATION_SEEDS + self.progress.episodes % starts
+        episode.start(episode_seed("learning", self.seed * SEEDS_PER_RUN + offset))
+        self.progress.episodes += 1
+
+    def _end(self, episode: RunningEpisode, *, valid: bool) -> None:
+        self._add("learning_success", float(episode.success), 1)
+        self.observer.on_episode(
+            EpisodeRecord(
+                self.progress.env_steps,
+                episode.seed,
+                episode.length,
+                episode.total,
+                episode.success,
+                valid,
+            )
+        )
+
+    def _evaluate(self) -> None:
+        """A point of the curve. The learning episodes step aside and go on afterwards."""
+        suspended = [episode.suspend() for episode in self.episodes]
+        first = self.seed * SEEDS_PER_RUN
+        count = min(self.params.evaluation_episodes, EVALUATION_SEEDS)
+        seeds = [episode_seed("learning", first + i) for i in range(count)]
+        outcomes = evaluate(self.actor, [e.simulation for e in self.episodes], seeds, self.rule)
+        for episode, state in zip(self.episodes, suspended, strict=True):
+            episode.restore(*state)
+        means = {name: total / self.counts[name] for name, total in self.sums.items()}
+        self.sums, self.counts = {}, {}
+        names = ("learning_success", "kl", "alpha", "sigma", "q", "critic_loss", "policy_loss")
+        point = CurvePoint(
+            env_steps=self.progress.env_steps,
+            updates=self.progress.updates,
+            episodes=self.progress.episodes,
+            success=float(np.mean([o.success for o in outcomes])),
+            mean_return=float(np.mean([o.total_reward for o in outcomes])),
+            mean_length=float(np.mean([o.length for o in outcomes])),
+            **{name: means.get(name) for name in names},
+        )
+        self.curve.append(point)
+        self.observer.on_evaluation(point)
+
+    def _add(self, name: str, total: float, count: int) -> None:
+        self.sums[name] = self.sums.get(name, 0.0) + total
+        self.counts[name] = self.counts.get(name, 0) + count
+
+    def _checkpoint(self) -> None:
+        if self.work is None:
+            return
+        content, tensors = self.state()
+        save_checkpoint(self.work, self.progress.env_steps, content, tensors)
+        # A resumed run goes on from what was written; so does this one, to be the same run even on
+        # a simulation whose restored state differs in the last bit.
+        self._restore_episodes(content, tensors)
+
+    def state(self) -> tuple[dict[str, Any], dict[str, Tensor]]:
+        """Everything that the rest of the run depends on, as JSON and as tensors."""
+        tensors = {f"learner.{k}": v for k, v in self.learner.state().items()}
+        tensors |= {f"replay.{k}": v for k, v in self.replay.state().items()}
+        suspended = [episode.suspend() for episode in self.episodes]
+        for i, (state, observation, _) in enumerate(suspended):
+            tensors[f"episode.{i}.state"] = torch.from_numpy(state)
+            tensors[f"episode.{i}.observation"] = torch.from_numpy(observation)
+        content = {
+            "identity": self.identity,
+            "progress": dataclasses.asdict(self.progress),
+            "curve": [dataclasses.asdict(point) for point in self.curve],
+            "sums": self.sums,
+            "counts": self.counts,
+            "episodes": [counts for _, _, counts in suspended],
+        }
+        return content, tensors
+
+    def _resume(self) -> bool:
+        found = load_checkpoint(self.work, self.identity) if self.work is not None else None
+        if found is None:
+            return False
+        content, tensors = found
+        self.learner.load_state(_part(tensors, "learner."))
+        self.replay.load_state(_part(tensors, "replay."))
+        self.progress = Progress(**content["progress"])
+        self.curve = [CurvePoint(**point) for point in content["curve"]]
+        self.sums, self.counts = dict(content["sums"]), dict(content["counts"])
+        self._restore_episodes(content, tensors)
+        return True
+
+    def _restore_episodes(self, content: dict[str, Any], tensors: dict[str, Tensor]) -> None:
+        for i, (episode, counts) in enumerate(zip(self.episodes, content["episodes"], strict=True)):
+            state: Array = tensors[f"episode.{i}.state"].numpy()
+            episode.restore(state, tensors[f"episode.{i}.observation"].numpy(), counts)
+
+
+def _passed(before: int, after: int, every: int) -> bool:
+    return before // every < after // every
+
+
+def _part(tensors: dict[str, Tensor], prefix: str) -> dict[str, Tensor]:
+    return {k.removeprefix(prefix): v for k, v in tensors.items() if k.startswith(prefix)}

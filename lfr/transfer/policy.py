@@ -1,0 +1,45 @@
+"""The transferred policy pi' = phi o pi (Eq. 7), and phi o p_a that it is held near (Eq. 9)."""
+
+from __future__ import annotations
+
+import copy
+
+from torch import Tensor, nn
+
+
+class IdentityMap(nn.Module):
+    """phi of a method without a generator: (mu, log_sigma) unchanged, (B, Z) each."""
+
+    def forward(self, mu: Tensor, log_sigma: Tensor) -> tuple[Tensor, Tensor]:
+        return mu, log_sigma
+
+
+class MappedPolicy(nn.Module):
+    """phi(pi(z|s)): observations (B, D) in the layout's units to (mu, log_sigma), (B, Z) each.
+
+    The Gaussian is not squashed: the divergence to phi(p_a) keeps it where the decoder was trained,
+    and a tanh would only add SPiRL's trap of a slope that is not 1 at the mean.
+    """
+
+    def __init__(self, pi: nn.Module, phi: nn.Module) -> None:
+        super().__init__()
+        self.pi, self.phi = pi, phi
+
+    def forward(self, observation: Tensor) -> tuple[Tensor, Tensor]:
+        mu, log_sigma = self.phi(*self.pi(observation))  # Eq. 7
+        return mu, log_sigma
+
+
+def initial_policy(prior: nn.Module, phi: nn.Module, *, train_phi: bool) -> MappedPolicy:
+    """phi o pi with pi = p_a to begin with: a trainable copy, phi trainable if ``train_phi``."""
+    policy = copy.deepcopy(MappedPolicy(prior, phi)).requires_grad_(True)
+    policy.phi.requires_grad_(train_phi)
+    return policy
+
+
+def frozen_prior(prior: nn.Module, phi: nn.Module) -> MappedPolicy:
+    """phi(p_a) of Eq. 9: a copy of its own that never learns.
+
+    Sharing phi with the policy would let it lower the divergence by moving the prior instead.
+    """
+    return copy.deepcopy(MappedPolicy(prior, phi)).requires_grad_(False).eval()

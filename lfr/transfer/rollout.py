@@ -1,0 +1,49 @@
+"""A cheap evaluation while learning: the mean policy from a fixed set of starts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from lfr.transfer.actor import SkillActor
+from lfr.transfer.environment import RewardRule, RunningEpisode, Simulated
+
+
+@dataclass(frozen=True)
+class EpisodeOutcome:
+    """How one evaluation episode went."""
+
+    seed: int
+    success: bool
+    total_reward: float
+    length: int
+
+
+def evaluate(
+    actor: SkillActor, simulations: Sequence[Simulated], seeds: Sequence[int], rule: RewardRule
+) -> list[EpisodeOutcome]:
+    """One episode per seed, in the order of the seeds, as many at once as there are simulations."""
+    waiting = list(enumerate(seeds))[::-1]
+    results: dict[int, EpisodeOutcome] = {}
+    running: list[tuple[int, RunningEpisode]] = []
+    idle = list(simulations)
+    while waiting or running:
+        while waiting and idle:
+            place, seed = waiting.pop()
+            episode = RunningEpisode(idle.pop())
+            episode.start(seed)
+            running.append((place, episode))
+        actions = actor.act(np.stack([episode.observation for _, episode in running]))
+        going = []
+        for (place, episode), skill in zip(running, actions, strict=True):
+            if not episode.execute(skill, rule).over:
+                going.append((place, episode))
+                continue
+            results[place] = EpisodeOutcome(
+                episode.seed, episode.success, episode.total, episode.length
+            )
+            idle.append(episode.simulation)
+        running = going
+    return [results[place] for place in range(len(seeds))]

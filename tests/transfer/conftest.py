@@ -1,0 +1,28 @@
+"""Fixtures of the transfer tests."""
+
+import pytest
+import torch
+
+from lfr.transfer.methods import Artifacts
+from lfr.transfer.params import TransferParams
+
+from .point import point_artifacts, point_params
+
+
+@pytest.fixture(autouse=True, scope="package")
+def one_thread():
+    """As in a job: two threads on matrices this small only wait for each other."""
+    before = torch.get_num_threads()
+    torch.set_num_threads(1)
+    yield
+    torch.set_num_threads(before)
+
+
+@pytest.fixture
+def artifacts() -> Artifacts:
+    return point_artifacts()
+
+
+@pytest.fixture
+def params() -> TransferParams:
+    return point_params()

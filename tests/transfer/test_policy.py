@@ -1,0 +1,70 @@
+"""Eq. 7: pi' = phi o pi; the frozen phi(p_a) of Eq. 9 is out of reach."""
+
+import dataclasses
+
+import torch
+
+from lfr.transfer.learner import Learner
+from lfr.transfer.methods import method
+from lfr.transfer.policy import IdentityMap, frozen_prior, initial_policy
+from lfr.transfer.replay import Batch
+
+
+def _batch(size=16):
+    g = torch.Generator().manual_seed(3)
+
+    def draw(*shape):
+        return torch.randn(*shape, generator=g)
+
+    return Batch(
+        draw(size, 3), draw(size, 2), draw(size), torch.full((size,), 0.9), draw(size, 3),
+        draw(size, 2), draw(size, 2), draw(size, 2), draw(size, 2),
+    )  # fmt: skip
+
+
+def test_policy_is_phi_after_pi(artifacts):
+    observation = torch.randn(5, 3)
+    policy = initial_policy(artifacts.source_prior, artifacts.generator, train_phi=True)
+    expected = artifacts.generator(*artifacts.source_prior(observation))
+    torch.testing.assert_close(policy(observation), expected)
+
+
+def test_identity_map_leaves_the_prior(artifacts):
+    observation = torch.randn(5, 3)
+    policy = initial_policy(artifacts.source_prior, IdentityMap(), train_phi=True)
+    torch.testing.assert_close(policy(observation), artifacts.source_prior(observation))
+
+
+def test_learning_leaves_prior_and_artifacts_as_they_were(artifacts, params):
+    start = method("lfr")(artifacts, params)
+    observation = torch.randn(5, 3)
+    before = start.actor.prior(observation)
+    learner = Learner(start.actor.policy, start.normalizer, 3, 2, params, torch.Generator())
+    for _ in range(3):
+        learner.update(_batch())
+    after = start.actor.prior(observation)
+    for one, other in zip(before, after, strict=True):
+        assert torch.equal(one, other)
+        assert not other.requires_grad
+    assert not torch.equal(start.actor.policy(observation)[0], before[0])
+    expected = artifacts.generator(*artifacts.source_prior(observation))
+    torch.testing.assert_close(after, expected)
+
+
+def test_phi_learns_only_when_asked_to(artifacts, params):
+    for train_phi in (True, False):
+        start = method("lfr")(artifacts, dataclasses.replace(params, train_phi=train_phi))
+        policy = start.actor.policy
+        learner = Learner(policy, start.normalizer, 3, 2, params, torch.Generator())
+        learner.update(_batch())
+        moved = [
+            not torch.equal(a, b)
+            for a, b in zip(policy.phi.parameters(), artifacts.generator.parameters(), strict=True)
+        ]
+        assert any(moved) == train_phi
+
+
+def test_frozen_prior_shares_nothing(artifacts):
+    frozen = frozen_prior(artifacts.source_prior, artifacts.generator)
+    shared = {p.data_ptr() for p in artifacts.generator.parameters()}
+    assert not shared & {p.data_ptr() for p in frozen.parameters()}
