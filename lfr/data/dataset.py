@@ -9,6 +9,7 @@ wrong quantiles (issue 4156).
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -54,10 +55,10 @@ def pack_dataset(
         raise DataError("no logs to pack; record episodes first", file=out)
     with write_whole(Path(out)) as partial:
         partial.mkdir()
-        writer = _DatasetWriter(partial, logs, video, fps)
-        for log in logs:
-            writer.add(Path(log))
-        writer.close()
+        with closing(_DatasetWriter(partial, logs, video, fps)) as writer:
+            for log in logs:
+                writer.add(Path(log))
+            writer.finish()
         check_dataset(partial, fps=fps)
         _compare_with_logs(partial, f"lfr/{Path(out).name}", logs, writer.cameras)
     return {
@@ -147,6 +148,14 @@ class _DatasetWriter:
         self.frames += len(episode)
 
     def close(self) -> None:
+        """Close the Parquet file and the videos, whole or not."""
+        if self._parquet is not None:
+            self._parquet.close()
+        for camera in self.cameras.values():
+            camera.close()
+
+    def finish(self) -> None:
+        """Close the files and write all of meta."""
         import pandas as pd
         import pyarrow as pa
         import pyarrow.parquet as pq
@@ -155,10 +164,8 @@ class _DatasetWriter:
         from lerobot.datasets.io_utils import write_info, write_stats, write_tasks
         from lerobot.datasets.utils import DEFAULT_EPISODES_PATH
 
-        if self._parquet is not None:
-            self._parquet.close()
+        self.close()
         for camera in self.cameras.values():
-            camera.close()
             self.features[camera.key] = camera.feature()
         features = {**self.features, **self.default_features}
         info = create_empty_dataset_info(

@@ -20,6 +20,7 @@ from lfr.data.episode import (
     ACTION,
     DONE,
     ENVIRONMENT_STATE,
+    FEATURES,
     JOINT_POSITION,
     REWARD,
     STATE,
@@ -74,6 +75,10 @@ def read_log(path: Path) -> Episode:
             found=f"metadata {sorted(metadata) or 'none'}",
             expected="metadata episode, features, outcome",
         )
+    for feature in FEATURES:
+        if feature.key not in metadata["features"]:
+            found = ", ".join(metadata["features"])
+            raise DataError("a feature is missing", file=path, column=feature.key, found=found)
     frames = metadata["outcome"]["frames"]
     counts = {topic: (len(values.get(topic, ())), frames) for topic in PER_FRAME}
     counts[SIMULATOR_STATE] = (len(values.get(SIMULATOR_STATE, ())), frames + 1)
@@ -87,7 +92,8 @@ def read_log(path: Path) -> Episode:
                 found=f"{found} messages",
                 expected=expected,
             )
-    schema = metadata["features"]
+    # MCAP sorts a record by key; the order of FEATURES is that of the columns below
+    schema = {f.key: metadata["features"][f.key] for f in FEATURES}
     rows = {topic: _stack(values[topic], topic, path) for topic in (*PER_FRAME, SIMULATOR_STATE)}
     observation = rows[messages.OBSERVATION]
     split = len(schema[STATE]["names"])

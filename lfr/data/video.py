@@ -60,7 +60,7 @@ class VideoWriter:
         """
         from PIL import Image
 
-        if self._file is not None and self._file.stat().st_size >= MAX_BYTES:
+        if self._size() >= MAX_BYTES:
             self._close_file()
         histogram = np.zeros((3, 256), np.int64)
         first = self._frames
@@ -128,13 +128,17 @@ class VideoWriter:
         self._stream.height, self._stream.width = self.shape[:2]
         self._stream.pix_fmt = self.encoder.pix_fmt
         self._files += 1
-        self._frames = 0
 
     def _close_file(self) -> None:
         if self._container is not None:
             self._container.mux(self._stream.encode())
             self._container.close()
         self._container = self._stream = self._file = None
+        self._frames = 0
+
+    def _size(self) -> int:
+        """Bytes of the current file; the encoder holds its first frames back."""
+        return self._file.stat().st_size if self._file is not None and self._file.exists() else 0
 
 
 def count_frames(path: Path) -> int:

@@ -83,14 +83,14 @@ class DemonstrationSet:
         """Training and held-out episodes, drawn by episode so that no window is seen from both.
 
         Args:
-            held_out: fraction of the episodes, rounded, but at least one and never all of them
-                where it lies between 0 and 1 and there are two episodes or more; 0 holds out none.
+            held_out: fraction of the episodes, rounded: at least one of two or more unless it is
+                0, and never all.
             seed: the same seed and number of episodes give the same split.
         """
         if not 0 <= held_out < 1:
             raise ValueError(f"held_out is a fraction in [0, 1), found {held_out}")
         count = round(held_out * self.episodes)
-        if held_out > 0 and self.episodes > 1:
+        if held_out > 0:
             count = min(max(count, 1), self.episodes - 1)
         order = np.random.default_rng(seed).permutation(self.episodes)
         return self.select(sorted(order[count:])), self.select(sorted(order[:count]))
