@@ -44,7 +44,7 @@ def test_no_such_command(tmp_path: Path, arguments: list[str]) -> None:
 
 
 def test_nothing_to_view(tmp_path: Path) -> None:
-    done = lfr("view", "no/such/place", folder=tmp_path)
+    done = lfr("view", "no/such/place", "--save", "a.rrd", folder=tmp_path)
     assert done.returncode == 2
     (line,) = done.stderr.splitlines()
     assert line.startswith("lfr: error: ")
