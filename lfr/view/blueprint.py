@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 # The eye stands before the table, a little to its side and above: the hand and the objects are
 # nearest, and the arm does not hide them. All four arenas have the table or the bins around x = 0
 # and the arm behind it at x = -0.55 (m, world).
-EYE = (0.9, -0.8, 1.42)
-LOOK_AT = (-0.2, 0.0, 1.05)
+EYE = (0.95, -0.85, 1.52)
+LOOK_AT = (-0.19, 0.0, 1.03)
 BACKGROUND = (22, 25, 31)
 
 
@@ -27,7 +27,9 @@ def arm_view(name: str = "Scene") -> rrb.Spatial3DView:
         contents=["/world/**", "/path/**"],
         name=name,
         background=rrb.archetypes.Background(kind="SolidColor", color=BACKGROUND),
-        line_grid=rrb.LineGrid3D(visible=True, spacing=0.5, stroke_width=0.6, color=(70, 76, 88, 110)),
+        line_grid=rrb.LineGrid3D(
+            visible=True, spacing=0.5, stroke_width=0.6, color=(70, 76, 88, 110)
+        ),
         eye_controls=rrb.EyeControls3D(kind="Orbital", position=EYE, look_target=LOOK_AT),
     )
 
@@ -86,7 +88,6 @@ def _episode_tab(episode: Episode) -> rrb.Container:
         arm_view(episode_title(episode)), right, column_shares=[2.1, 1], name="Episode"
     )
 
-
     overview = rrb.Horizontal(
         arm_view(episode_title(episode)), right, column_shares=[2.1, 1], name="Episode"
     )
@@ -108,7 +109,7 @@ def policy_blueprint(episode: Episode, latent_dim: int) -> rrb.Blueprint:
         series_view("Divergence of the policy from the mapped prior (nats)", "/skill/divergence"),
         series_view("Mean spread", "/skill/spread"),
         rrb.StateTimelineView(origin="/state", name="Gripper and success"),
-        row_shares=[2.3, 2.3, 1, 1, 0.9],
+        row_shares=[2.3, 2.3, 0.9, 0.9, 1.2],
     )
     overview = rrb.Horizontal(
         arm_view(episode_title(episode)), right, column_shares=[1.6, 1], name="Policy"
@@ -127,8 +128,8 @@ def _latent_view(space: str, name: str, latent_dim: int) -> rrb.View:
     from lfr.view.policy import DIMENSION_WIDTH, SPAN, UNIT
 
     bounds = rrb.VisualBounds2D(
-        x_range=(-1.2 * DIMENSION_WIDTH, (latent_dim - 0.4) * DIMENSION_WIDTH),
-        y_range=(-(SPAN + 0.3) * UNIT, (SPAN + 0.8) * UNIT),
+        x_range=(-1.1 * DIMENSION_WIDTH, (latent_dim - 0.4) * DIMENSION_WIDTH),
+        y_range=(-(SPAN + 1.0) * UNIT, (SPAN + 1.0) * UNIT),
     )
     return rrb.Spatial2DView(
         origin=f"/latent/{space}",
@@ -168,7 +169,9 @@ def _observation(episode: Episode) -> rrb.Container:
     from lfr.view.episode import observation_groups
 
     schema = episode.schema
-    names = [n for key in (STATE, ENVIRONMENT_STATE) if key in schema for n in schema[key].names or ()]
+    names = [
+        n for key in (STATE, ENVIRONMENT_STATE) if key in schema for n in schema[key].names or ()
+    ]
     groups = observation_groups(names)
     views = [series_view(group, f"/observation/{group}") for group in groups]
     return rrb.Grid(*views, series_view("joints (rad)", "/joints"), name="Observation")

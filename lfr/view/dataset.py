@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -33,9 +35,9 @@ def episode_rows(path: Path) -> list[Row]:
         raise DataError("no table of episodes", file=path, expected="meta/episodes/*/*.parquet")
     rows: list[Row] = []
     for file in files:
-        schema = _parquet(lambda file=file: pq.read_schema(file), file)
-        columns = [name for name in schema.names if not name.startswith("stats/")]
-        table = _parquet(lambda file=file, columns=columns: pq.read_table(file, columns), file)
+        schema = _parquet(partial(pq.read_schema, file), file)
+        columns = [name for name in schema.names if not name.startswith("stats/")]  # hundreds
+        table = _parquet(partial(pq.read_table, file, columns=columns), file)
         rows += table.to_pylist()
     return sorted(rows, key=lambda row: row["episode_index"])
 
@@ -49,7 +51,6 @@ def read_episode(path: Path, index: int) -> Episode:
     Raises:
         DataError: no such episode, or a file that is missing or cut off.
     """
-    import pyarrow.compute as pc
     import pyarrow.parquet as pq
 
     rows = episode_rows(path)
@@ -62,8 +63,7 @@ def read_episode(path: Path, index: int) -> Episode:
     file = path / info["data_path"].format(
         chunk_index=row["data/chunk_index"], file_index=row["data/file_index"]
     )
-    table = _parquet(lambda: pq.read_table(file), file)
-    table = table.filter(pc.equal(table["episode_index"], index))
+    table = _parquet(partial(pq.read_table, file, filters=[("episode_index", "==", index)]), file)
     features = {
         name: _array(table[name])
         for name, feature in info["features"].items()
@@ -154,12 +154,16 @@ def _frames(path: Path, info: Row, row: Row, name: str) -> list[bytes]:
                 frames.append(buffer.getvalue())
     if len(frames) != row["length"]:
         raise DataError(
-            "the video is cut off", file=file, column=name, found=len(frames), expected=row["length"]
+            "the video is cut off",
+            file=file,
+            column=name,
+            found=len(frames),
+            expected=row["length"],
         )
     return frames
 
 
-def _parquet(read: Any, file: Path) -> Any:
+def _parquet(read: Callable[[], Any], file: Path) -> Any:
     import pyarrow as pa
 
     try:

@@ -156,7 +156,9 @@ def log_features(recording: rr.RecordingStream, episode: Episode) -> None:
     times = frame_times(np.arange(len(episode)))
 
     action = np.asarray(features[ACTION])
-    names = tuple(schema[ACTION].names or ()) or tuple(f"action_{k}" for k in range(action.shape[1]))
+    names = tuple(schema[ACTION].names or ()) or tuple(
+        f"action_{k}" for k in range(action.shape[1])
+    )
     log_series(recording, "/action/translation", times, action[:, :3], names[:3])
     log_series(recording, "/action/rotation", times, action[:, 3:-1], names[3:-1])
     log_series(recording, "/action/gripper", times, action[:, -1], names[-1:], [series.AMBER])

@@ -160,4 +160,4 @@ def _frame(up: NDArray[np.float64], yaw: float) -> NDArray[np.float64]:
         heading[2] = -(heading @ z) / z[2]  # perpendicular to z, with the same yaw
     x = heading - (heading @ z) * z
     x /= np.linalg.norm(x)
-    return np.stack([x, np.cross(z, x), z], axis=1)
+    return np.stack([x, np.cross(z, x), z], axis=1).astype(np.float64)

@@ -38,7 +38,7 @@ PRIOR_COLOR, MAPPED_COLOR, POLICY_COLOR, CHOSEN_COLOR = (
     series.VIOLET, series.BLUE, series.AMBER, series.WHITE,
 )  # fmt: skip
 
-DIMENSION_WIDTH, UNIT = 40.0, 40.0
+DIMENSION_WIDTH, UNIT = 62.0, 40.0
 """Scene units of the panels per latent dimension (to the right) and per 1.0 of z (upwards)."""
 
 SPAN = 3.0
@@ -138,17 +138,18 @@ def log_skill_path(
 def log_trace(recording: rr.RecordingStream, trace: SkillTrace) -> None:
     """Log the Gaussians and the chosen latents, as panels to look at and as series."""
     times, dims = frame_times(trace.skill_start), trace.latent_dim
-    for space in ("source", "target"):
-        _log_axes(recording, f"/latent/{space}/axes", dims)
+    legend = {"mapped prior": MAPPED_COLOR, "policy": POLICY_COLOR, "chosen z": CHOSEN_COLOR}
+    _log_axes(recording, "/latent/target/axes", dims, legend)
+    _log_axes(recording, "/latent/source/axes", dims, {"source prior": PRIOR_COLOR})
     prior, mapped, policy = (
         (trace.prior_mu, trace.prior_log_sigma),
         (trace.mapped_mu, trace.mapped_log_sigma),
         (trace.policy_mu, trace.policy_log_sigma),
     )
     _log_gaussian(recording, "/latent/source/prior", times, *prior, PRIOR_COLOR, 0.0)
-    _log_gaussian(recording, "/latent/target/mapped", times, *mapped, MAPPED_COLOR, -7.0)
-    _log_gaussian(recording, "/latent/target/policy", times, *policy, POLICY_COLOR, 7.0)
-    _log_points(recording, "/latent/target/chosen", times, trace.z, CHOSEN_COLOR, 7.0, 3.2)
+    _log_gaussian(recording, "/latent/target/mapped", times, *mapped, MAPPED_COLOR, -9.0)
+    _log_gaussian(recording, "/latent/target/policy", times, *policy, POLICY_COLOR, 9.0)
+    _log_points(recording, "/latent/target/chosen", times, trace.z, CHOSEN_COLOR, 9.0, 3.4)
 
     names = ["source prior", "mapped prior", "policy"]
     sigmas = np.stack([np.exp(s).mean(axis=1) for _, s in (prior, mapped, policy)], axis=1)
@@ -181,7 +182,7 @@ def _log_gaussian(
     low, high = (_place(mu + sign * np.exp(log_sigma), offset) for sign in (-1, 1))
     strips = np.stack([low, high], axis=2)  # (K, Z, 2 ends, 2)
     count, dims = mu.shape
-    style = rr.LineStrips2D.from_fields(colors=color, radii=4.0)
+    style = rr.LineStrips2D.from_fields(colors=color, radii=5.0)
     recording.log(f"{path}/spread", style, static=True)
     columns = rr.LineStrips2D.columns(strips=list(strips.reshape(count * dims, 2, 2)))
     recording.send_columns(
@@ -214,16 +215,18 @@ def _place(values: NDArray[np.floating], offset: float) -> NDArray[np.float64]:
     """Where values (K, Z) of z stand in a panel, (K, Z, 2); its y axis points down."""
     x = np.arange(values.shape[1]) * DIMENSION_WIDTH + offset
     y = -np.clip(values, -SPAN, SPAN) * UNIT
-    return np.stack([np.broadcast_to(x, y.shape), y], axis=-1)
+    return np.stack([np.broadcast_to(x, y.shape), y], axis=-1).astype(np.float64)
 
 
-def _log_axes(recording: rr.RecordingStream, path: str, dims: int) -> None:
-    """Lines at whole values of z, named, and the number of each dimension below them."""
+def _log_axes(
+    recording: rr.RecordingStream, path: str, dims: int, legend: dict[str, Color]
+) -> None:
+    """Lines at whole values of z, named, the number of each dimension below, a legend above."""
     import rerun as rr
 
     left, right = -0.5 * DIMENSION_WIDTH, (dims - 0.5) * DIMENSION_WIDTH
     levels = np.arange(-SPAN, SPAN + 1)
-    lines = [[(left, -level * UNIT), (right, -level * UNIT)] for level in levels]
+    lines = [np.array([(left, -level * UNIT), (right, -level * UNIT)]) for level in levels]
     shades = [(110, 116, 128) if level == 0 else (52, 57, 67) for level in levels]
     grid = rr.LineStrips2D(lines, colors=shades, radii=0.5, draw_order=-10.0)
     recording.log(f"{path}/grid", grid, static=True)
@@ -233,6 +236,17 @@ def _log_axes(recording: rr.RecordingStream, path: str, dims: int) -> None:
     words = [f"{level:+.0f}" if level else "0" for level in levels]
     words += [f"z{d}" for d in range(dims)]
     text = rr.Points2D(
-        marks, labels=words, show_labels=True, radii=0.01, colors=(150, 155, 165), draw_order=-5.0
+        np.array(marks),
+        labels=words,
+        show_labels=True,
+        radii=0.01,
+        colors=(150, 155, 165),
+        draw_order=-5.0,
     )
     recording.log(f"{path}/names", text, static=True)
+    step = (right - left) / len(legend)
+    keys = [(left + step * (k + 0.5), -(SPAN + 0.6) * UNIT) for k in range(len(legend))]
+    named = rr.Points2D(
+        keys, labels=list(legend), show_labels=True, radii=5.0, colors=list(legend.values())
+    )
+    recording.log(f"{path}/legend", named, static=True)

@@ -87,9 +87,7 @@ def scene_folder(robot: str, task: str) -> Path:
     return folder
 
 
-def log_bodies(
-    recording: rr.RecordingStream, bodies: Iterable[Body], world: str = WORLD
-) -> None:
+def log_bodies(recording: rr.RecordingStream, bodies: Iterable[Body], world: str = WORLD) -> None:
     """Log the geometry of bodies, and the pose of those that never move."""
     import rerun as rr
 
@@ -98,7 +96,8 @@ def log_bodies(
         path = body_path(body.name, world)
         if body.fixed:
             pose = rr.Transform3D(
-                translation=body.position, quaternion=np.roll(body.quaternion, -1)
+                translation=body.position,
+                quaternion=rr.Quaternion(xyzw=np.roll(body.quaternion, -1)),
             )
             recording.log(path, pose, static=True)
         for number, mesh in enumerate(body.meshes):
@@ -133,7 +132,11 @@ def solid_archetype(
     quaternions = np.array([solid.quaternion for solid in solids])
     sizes = np.array([solid.size for solid in solids])
     colors = np.array([solid.color for solid in solids])
-    placed = {"quaternions": quaternions, "colors": colors, "fill_mode": rr.components.FillMode.Solid}
+    placed = {
+        "quaternions": quaternions,
+        "colors": colors,
+        "fill_mode": rr.components.FillMode.Solid,
+    }
     match kind:
         case "box":
             return rr.Boxes3D(half_sizes=sizes, centers=centers, **placed)

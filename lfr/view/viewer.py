@@ -1,0 +1,101 @@
+"""The rerun viewer as a process: on this machine's screen or in a browser, reached from here only.
+
+rerun's own default is to listen on all interfaces, and its Python API cannot change that
+(`serve_grpc` has no address); its command line can.
+"""
+
+from __future__ import annotations
+
+import os
+import socket
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from lfr.errors import LfrError, MissingLibraryError
+
+ADDRESS = "127.0.0.1"
+DATA_PORT, WEB_PORT = 9876, 9090
+
+
+def viewer_command(
+    files: Sequence[Path], *, web: bool = False, address: str = ADDRESS, follow: bool = False
+) -> list[str]:
+    """The command line that opens `.rrd` files.
+
+    Args:
+        files: recordings.
+        web: serve a browser instead of opening a window.
+        address: that it listens on; "0.0.0.0" opens it to the network.
+        follow: go on reading files that are still being written.
+    """
+    command = [str(_executable()), "--bind", address, "--port", str(free_port(DATA_PORT, address))]
+    if web:
+        command += ["--serve-web", "--web-viewer-port", str(free_port(WEB_PORT, address))]
+    if follow:
+        command += ["--follow"]
+    return [*command, *map(str, files)]
+
+
+def show(files: Sequence[Path], *, web: bool, address: str = ADDRESS, follow: bool = False) -> None:
+    """Open recordings and return when the viewer is closed, or interrupted.
+
+    Raises:
+        LfrError: there is no screen to open a window on.
+    """
+    if not web and not has_screen():
+        raise LfrError(
+            "there is no screen here; write a file with --save episode.rrd, "
+            "or serve a browser with --web"
+        )
+    command = viewer_command(files, web=web, address=address, follow=follow)
+    if web:
+        data, page = (command[command.index(flag) + 1] for flag in ("--port", "--web-viewer-port"))
+        source = f"rerun%2Bhttp%3A%2F%2F{address}%3A{data}%2Fproxy"
+        print(f"open http://{address}:{page}?url={source} (Ctrl-C ends)", flush=True)
+    quiet = {"RUST_LOG": "error", **os.environ}
+    try:
+        status = subprocess.run(command, env=quiet, check=False).returncode
+    except KeyboardInterrupt:
+        return
+    if status not in (0, 130, -2):
+        raise LfrError(f"the rerun viewer ended with status {status}; --save writes a file instead")
+
+
+def merge(files: Sequence[Path], destination: Path) -> None:
+    """Put several recordings into one file."""
+    command = [str(_executable()), "rrd", "merge", *map(str, files), "-o", str(destination)]
+    result = subprocess.run(command, check=False, capture_output=True, text=True)
+    if result.returncode:
+        raise LfrError(f"the recordings could not be merged: {result.stderr.strip()}")
+
+
+def has_screen() -> bool:
+    """Whether a window can be opened: always assumed outside Linux."""
+    if not sys.platform.startswith("linux"):
+        return True
+    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+def free_port(wanted: int, address: str = ADDRESS) -> int:
+    """`wanted`, or any free port if something listens there already."""
+    for port in (wanted, 0):
+        with socket.socket() as probe:
+            try:
+                probe.bind((address, port))
+            except OSError:
+                continue
+            return int(probe.getsockname()[1])
+    raise LfrError(f"no free port on {address}")
+
+
+def _executable() -> Path:
+    """The program itself: rerun-sdk's `rerun` script would leave it behind when it is ended."""
+    import rerun_cli
+
+    name = "rerun.exe" if sys.platform.startswith("win") else "rerun"
+    path = Path(rerun_cli.__file__).parent / name
+    if not path.is_file():
+        raise MissingLibraryError(f"no rerun viewer at {path}; install rerun-sdk again")
+    return path
