@@ -20,6 +20,7 @@ from lfr.artifacts import file_hash, write_whole
 from lfr.data.checks import check_dataset
 from lfr.data.episode import FPS, IMAGES, Episode, Feature
 from lfr.data.log_reader import read_log
+from lfr.data.reopen import compare_with_logs
 from lfr.data.stats import Stats, vector_stats
 from lfr.errors import DataError
 
@@ -60,7 +61,7 @@ def pack_dataset(
                 writer.add(Path(log))
             writer.finish()
         check_dataset(partial, fps=fps)
-        _compare_with_logs(partial, f"lfr/{Path(out).name}", logs, writer.cameras)
+        compare_with_logs(partial, f"lfr/{Path(out).name}", logs)
     return {
         "episodes": len(writer.rows),
         "frames": writer.frames,
@@ -277,49 +278,3 @@ def _flat(stats: Mapping[str, Stats]) -> dict[str, Any]:
         for key, values in stats.items()
         for name, value in values.items()
     }
-
-
-def _compare_with_logs(root: Path, repo_id: str, logs: Sequence[Path], cameras: Any) -> None:
-    """Open a dataset with LeRobotDataset and compare it with its logs.
-
-    Raises:
-        DataError: a count, a value or the number of a video's frames differs.
-    """
-    from lerobot.datasets import LeRobotDataset
-
-    from lfr.data.video import count_frames
-
-    dataset = LeRobotDataset(repo_id, root=root, video_backend="pyav")
-    rows = dataset.hf_dataset.with_format("numpy")
-    at = 0
-    for index, log in enumerate(logs):
-        episode = read_log(Path(log))
-        part = rows[at : at + len(episode)]
-        for key, expected in episode.features.items():
-            found = np.asarray(part[key])
-            if found.dtype != expected.dtype or not np.array_equal(found, expected):
-                raise DataError(
-                    "the packed dataset differs from its log",
-                    file=log,
-                    episode=index,
-                    column=key,
-                    found=f"{found.dtype} {found.shape}",
-                    expected=f"{expected.dtype} {expected.shape} and the same values",
-                )
-        at += len(episode)
-    counts = {
-        "frames": (dataset.num_frames, at),
-        "episodes": (dataset.num_episodes, len(logs)),
-        **{
-            camera.key: (sum(map(count_frames, root.glob(f"videos/{camera.key}/*/*.mp4"))), at)
-            for camera in cameras.values()
-        },
-    }
-    for column, (found, expected) in counts.items():
-        if found != expected:
-            raise DataError(
-                "the packed dataset does not read back", file=root, column=column,
-                found=found, expected=expected,
-            )  # fmt: skip
-    for index in (0, at - 1):
-        dataset[index]  # decodes the first and the last frame

@@ -16,7 +16,6 @@ from the clock: the same episode recorded again by the same revision is the same
 
 from __future__ import annotations
 
-import io
 import json
 import os
 from collections import Counter
@@ -31,17 +30,6 @@ from typing import Any, Self
 import numpy as np
 from foxglove import Channel, Context, Schema, open_mcap
 from foxglove.mcap import MCAPCompression, MCAPWriteOptions
-from foxglove.messages import (
-    CameraCalibration,
-    CompressedImage,
-    FrameTransform,
-    FrameTransforms,
-    JointState,
-    JointStates,
-    Quaternion,
-    Timestamp,
-    Vector3,
-)
 from numpy.typing import ArrayLike, NDArray
 
 from lfr.artifacts import provenance
@@ -49,18 +37,16 @@ from lfr.data import messages
 from lfr.data.episode import ACTION_NAMES, FPS, EpisodeInfo
 from lfr.data.log_reader import body_poses, list_logs, read_log
 from lfr.data.mcap_file import message_counts, settle
+from lfr.data.messages import CameraModel, Pose
 from lfr.errors import DataError
 
 __all__ = ["CameraModel", "EpisodeLog", "Frame", "body_poses", "list_logs", "read_log"]
 
 FLUSH_FRAMES = 20  # a crash costs at most one second (measured: 905 of 910 messages recovered)
-JPEG_QUALITY = 92
 # Seeds start 100 s apart from 2000-01-01 on (the longest horizon is 15 s), so that episodes
 # opened together in a viewer stand one after the other.
 EPOCH_NS = 946_684_800 * 10**9
 SEED_NS = 100 * 10**9
-
-Pose = tuple[ArrayLike, ArrayLike]
 
 
 @dataclass(frozen=True)
@@ -81,18 +67,6 @@ class Frame:
     joint_velocity: NDArray[np.float64] | None = None
     body_poses: Mapping[str, Pose] = field(default_factory=dict)
     images: Mapping[str, NDArray[np.uint8]] = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class CameraModel:
-    """A fixed pinhole camera: size (pixels), intrinsic matrix (3, 3), and the pose (m, wxyz) in
-    the world of its optical frame (x right, y down, z forward)."""
-
-    width: int
-    height: int
-    intrinsics: NDArray[np.float64]
-    position: NDArray[np.float64]
-    quaternion: NDArray[np.float64]
 
 
 class EpisodeLog:
@@ -153,7 +127,10 @@ class EpisodeLog:
         self._log_record(messages.REWARD, [frame.reward], now)
         self._log_record(messages.SUCCESS, [frame.success], now)
         self._log_record(messages.SIMULATOR_STATE, frame.simulator_state, now)
-        self._log(messages.JOINT_STATES, self._joint_states(frame, now), now)
+        joints = messages.joint_states(
+            self._info.joint_names, frame.joint_position, frame.joint_velocity, now
+        )
+        self._log(messages.JOINT_STATES, joints, now)
         self._log_transforms(frame.body_poses, now)
         for camera, image in frame.images.items():
             self._log_image(camera, image, now)
@@ -252,43 +229,18 @@ class EpisodeLog:
         data = self._encoders[topic](np.asarray(values, np.float64).tolist())
         self._log(topic, data, now, self._schemas[topic])
 
-    def _joint_states(self, frame: Frame, now: int) -> JointStates:
-        positions = np.asarray(frame.joint_position, np.float64).tolist()
-        velocities = [None] * len(positions)
-        if frame.joint_velocity is not None:
-            velocities = np.asarray(frame.joint_velocity, np.float64).tolist()
-        joints = [
-            JointState(name=name, position=position, velocity=velocity)
-            for name, position, velocity in zip(
-                self._info.joint_names, positions, velocities, strict=True
-            )
-        ]
-        return JointStates(timestamp=_timestamp(now), joints=joints)
-
     def _log_transforms(self, poses: Mapping[str, Pose], now: int) -> None:
-        transforms = [_transform(name, *pose, now) for name, pose in poses.items()]
-        if transforms:
-            self._log(messages.TRANSFORMS, FrameTransforms(transforms=transforms), now)
+        if poses:
+            self._log(messages.TRANSFORMS, messages.transforms(poses, now), now)
 
     def _log_image(self, camera: str, image: NDArray[np.uint8], now: int) -> None:
         topic = messages.CAMERA + camera
         if self._logged[topic] == 0 and camera in self._cameras:
             model = self._cameras[camera]
-            calibration = CameraCalibration(
-                timestamp=_timestamp(now),
-                frame_id=camera,
-                width=model.width,
-                height=model.height,
-                K=np.ravel(model.intrinsics).tolist(),
-                R=np.eye(3).ravel().tolist(),
-                P=np.hstack([model.intrinsics, np.zeros((3, 1))]).ravel().tolist(),
-            )
+            calibration = messages.calibration(camera, model, now)
             self._log(topic + messages.CALIBRATION, calibration, now)
             self._log_transforms({camera: (model.position, model.quaternion)}, now)
-        compressed = CompressedImage(
-            timestamp=_timestamp(now), frame_id=camera, data=_jpeg(image), format="jpeg"
-        )
-        self._log(topic, compressed, now)
+        self._log(topic, messages.jpeg(camera, image, now), now)
 
     def _log(self, topic: str, message: Any, now: int, schema: Schema | None = None) -> None:
         if topic not in self._channels:
@@ -313,30 +265,6 @@ def _texts(record: Mapping[str, Any]) -> dict[str, str]:
     return {
         key: value if isinstance(value, str) else json.dumps(value) for key, value in record.items()
     }
-
-
-def _timestamp(ns: int) -> Timestamp:
-    return Timestamp(sec=ns // 10**9, nsec=ns % 10**9)
-
-
-def _transform(name: str, position: ArrayLike, quaternion: ArrayLike, now: int) -> FrameTransform:
-    x, y, z = np.asarray(position, np.float64).tolist()
-    qw, qx, qy, qz = np.asarray(quaternion, np.float64).tolist()
-    return FrameTransform(
-        timestamp=_timestamp(now),
-        parent_frame_id="world",
-        child_frame_id=name,
-        translation=Vector3(x=x, y=y, z=z),
-        rotation=Quaternion(x=qx, y=qy, z=qz, w=qw),
-    )
-
-
-def _jpeg(image: NDArray[np.uint8]) -> bytes:
-    from PIL import Image
-
-    buffer = io.BytesIO()
-    Image.fromarray(np.ascontiguousarray(image)).save(buffer, "JPEG", quality=JPEG_QUALITY)
-    return buffer.getvalue()
 
 
 def _sync_folder(folder: Path) -> None:

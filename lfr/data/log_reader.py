@@ -68,7 +68,7 @@ def read_log(path: Path) -> Episode:
     """
     path = Path(path)
     values, images, metadata = _read(path, _decoders)
-    if "features" not in metadata or "outcome" not in metadata:
+    if not {"episode", "features", "outcome"} <= set(metadata):
         raise DataError(
             "a foreign or unfinished MCAP file, not a log of lfr",
             file=path,

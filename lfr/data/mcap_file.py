@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import struct
 import zlib
@@ -12,58 +13,70 @@ from pathlib import Path
 
 from mcap.exceptions import McapError
 from mcap.reader import McapReader, make_reader
-from mcap.stream_reader import CRCValidationError
 from zstandard import ZstdError
 
 from lfr.errors import DataError
 
 MAGIC = b"\x89MCAP0\r\n"
 _SCHEMA, _CHANNEL = 0x03, 0x04
+_DATA_END = struct.Struct("<BQI")  # opcode, length, CRC of all before it
 _FOOTER = struct.Struct("<BQQQI")  # opcode, length, summary start, summary offset start, CRC
 
 
 @contextmanager
 def open_whole(path: Path) -> Iterator[McapReader]:
-    """A reader of a finished MCAP file.
+    """A reader of a finished MCAP file, every byte of which its checksums cover.
 
     Raises:
         DataError: the file is missing, no MCAP, cut off or damaged, also while it is being read.
     """
     if not path.is_file():
         raise DataError("no such log; record it first", file=path)
-    with path.open("rb") as stream:
-        start = stream.read(len(MAGIC))
-        if start != MAGIC:
-            raise DataError(
-                "not an MCAP file", file=path, found=f"first bytes {start!r}", expected=MAGIC
-            )
-        stream.seek(-min(len(MAGIC), path.stat().st_size), os.SEEK_END)
-        end = stream.read()
-        if end != MAGIC or path.stat().st_size < 2 * len(MAGIC) + _FOOTER.size:
-            raise DataError(
-                "cut-off MCAP file; record the episode again",
-                file=path,
-                found=f"{path.stat().st_size} bytes ending in {end!r}",
-                expected=f"an end of {MAGIC!r}",
-            )
-        stream.seek(0)
-        try:
-            yield make_reader(stream, validate_crcs=True)
-        # struct.error, ValueError, MemoryError: lengths and text read from damaged bytes
-        except (
-            McapError,
-            CRCValidationError,
-            ZstdError,
-            struct.error,
-            ValueError,
-            MemoryError,
-        ) as error:
-            raise DataError(
-                "damaged MCAP file; record the episode again",
-                file=path,
-                found=f"{type(error).__name__}: {error}",
-                expected="records as its checksums say",
-            ) from error
+    data = path.read_bytes()
+    if data[: len(MAGIC)] != MAGIC:
+        start = data[: len(MAGIC)]
+        raise DataError(
+            "not an MCAP file", file=path, found=f"first bytes {start!r}", expected=MAGIC
+        )
+    if data[-len(MAGIC) :] != MAGIC or len(data) < 2 * len(MAGIC) + _FOOTER.size:
+        raise DataError(
+            "cut-off MCAP file; record the episode again",
+            file=path,
+            found=f"{len(data)} bytes ending in {data[-len(MAGIC) :]!r}",
+            expected=f"an end of {MAGIC!r}",
+        )
+    try:
+        _check_sums(data)
+        yield make_reader(io.BytesIO(data))
+    # struct.error, ValueError: lengths and text read from a file whose writer made no checksums
+    except (McapError, ZstdError, struct.error, ValueError) as error:
+        raise DataError(
+            "damaged MCAP file; record the episode again",
+            file=path,
+            found=f"{type(error).__name__}: {error}",
+            expected="records as its checksums say",
+        ) from error
+
+
+def _check_sums(data: bytes) -> None:
+    """The readers of the `mcap` package check a chunk's messages only, not metadata or summary.
+
+    Raises:
+        ValueError: the data section or the summary is not what its CRC says (0 is no CRC).
+    """
+    footer_at = len(data) - len(MAGIC) - _FOOTER.size
+    _, _, summary_at, _, summary_crc = _FOOTER.unpack_from(data, footer_at)
+    end_at = (summary_at or footer_at) - _DATA_END.size
+    if not len(MAGIC) <= end_at <= footer_at:
+        raise ValueError(f"a summary at byte {summary_at}")
+    opcode, length, data_crc = _DATA_END.unpack_from(data, end_at)
+    if (opcode, length) != (0x0F, 4):
+        raise ValueError("no end of the data before the summary")
+    if data_crc and zlib.crc32(memoryview(data)[:end_at]) != data_crc:
+        raise ValueError("the data's CRC differs")
+    summary = memoryview(data)[end_at + _DATA_END.size : -len(MAGIC) - 4]
+    if summary_crc and zlib.crc32(summary) != summary_crc:
+        raise ValueError("the summary's CRC differs")
 
 
 def message_counts(path: Path) -> dict[str, int]:

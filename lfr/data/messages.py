@@ -1,19 +1,34 @@
-"""Protobuf messages of an episode's log that no Foxglove schema covers.
+"""The messages of an episode's log: Foxglove's schemas, and our own where it has none.
 
-The messages are built from the names of their dimensions, so `/action.gripper` or
+Our own are built from the names of their dimensions, so `/action.gripper` or
 `/observation.cube_pos_z` is a series that Foxglove and rerun plot by name. They use proto2: its
 fields have presence, so 0.0 and -0.0 are written as they are (proto3 drops both).
 """
 
 from __future__ import annotations
 
+import io
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cache, lru_cache
 
+import numpy as np
 from foxglove import Schema
+from foxglove.messages import (
+    CameraCalibration,
+    CompressedImage,
+    FrameTransform,
+    FrameTransforms,
+    JointState,
+    JointStates,
+    Quaternion,
+    Timestamp,
+    Vector3,
+)
 from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 from google.protobuf.message import Message
+from numpy.typing import ArrayLike, NDArray
 
 JOINT_STATES = "/joint_states"
 TRANSFORMS = "/tf"
@@ -24,6 +39,23 @@ SUCCESS = "/success"
 SIMULATOR_STATE = "/simulator_state"
 CAMERA = "/camera/"  # + camera name; its calibration at /camera/<name>/calibration
 CALIBRATION = "/calibration"
+
+JPEG_QUALITY = 92
+
+Pose = tuple[ArrayLike, ArrayLike]  # position (3,) in m, quaternion (4,) wxyz
+
+
+@dataclass(frozen=True)
+class CameraModel:
+    """A fixed pinhole camera: size (pixels), intrinsic matrix (3, 3), and the pose (m, wxyz) in
+    the world of its optical frame (x right, y down, z forward)."""
+
+    width: int
+    height: int
+    intrinsics: NDArray[np.float64]
+    position: NDArray[np.float64]
+    quaternion: NDArray[np.float64]
+
 
 _Field = descriptor_pb2.FieldDescriptorProto
 
@@ -89,3 +121,62 @@ def encoder(schema: Schema) -> Callable[[Sequence[float]], bytes]:
     if names == ["value"]:
         return lambda values: cls(value=values).SerializeToString()
     return lambda values: cls(**dict(zip(names, values, strict=True))).SerializeToString()
+
+
+def joint_states(
+    names: Sequence[str], positions: ArrayLike, velocities: ArrayLike | None, ns: int
+) -> JointStates:
+    """Joint positions (rad) and, where they are known, velocities (rad/s)."""
+    position = np.asarray(positions, np.float64).tolist()
+    velocity = [None] * len(position)
+    if velocities is not None:
+        velocity = np.asarray(velocities, np.float64).tolist()
+    joints = [
+        JointState(name=n, position=p, velocity=v)
+        for n, p, v in zip(names, position, velocity, strict=True)
+    ]
+    return JointStates(timestamp=_timestamp(ns), joints=joints)
+
+
+def transforms(poses: Mapping[str, Pose], ns: int) -> FrameTransforms:
+    """Poses of frames in the world."""
+    return FrameTransforms(transforms=[_transform(name, *pose, ns) for name, pose in poses.items()])
+
+
+def calibration(camera: str, model: CameraModel, ns: int) -> CameraCalibration:
+    return CameraCalibration(
+        timestamp=_timestamp(ns),
+        frame_id=camera,
+        width=model.width,
+        height=model.height,
+        K=np.ravel(model.intrinsics).tolist(),
+        R=np.eye(3).ravel().tolist(),
+        P=np.hstack([model.intrinsics, np.zeros((3, 1))]).ravel().tolist(),
+    )
+
+
+def jpeg(camera: str, image: NDArray[np.uint8], ns: int) -> CompressedImage:
+    """An image (H, W, 3) as JPEG."""
+    from PIL import Image
+
+    buffer = io.BytesIO()
+    Image.fromarray(np.ascontiguousarray(image)).save(buffer, "JPEG", quality=JPEG_QUALITY)
+    return CompressedImage(
+        timestamp=_timestamp(ns), frame_id=camera, data=buffer.getvalue(), format="jpeg"
+    )
+
+
+def _timestamp(ns: int) -> Timestamp:
+    return Timestamp(sec=ns // 10**9, nsec=ns % 10**9)
+
+
+def _transform(name: str, position: ArrayLike, quaternion: ArrayLike, ns: int) -> FrameTransform:
+    x, y, z = np.asarray(position, np.float64).tolist()
+    qw, qx, qy, qz = np.asarray(quaternion, np.float64).tolist()
+    return FrameTransform(
+        timestamp=_timestamp(ns),
+        parent_frame_id="world",
+        child_frame_id=name,
+        translation=Vector3(x=x, y=y, z=z),
+        rotation=Quaternion(x=qx, y=qy, z=qz, w=qw),
+    )

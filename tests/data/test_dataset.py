@@ -281,6 +281,7 @@ def _pack_and_die(logs: list[Path], out: Path) -> None:
     pack_dataset(logs, out, video=False)
 
 
+@pytest.mark.filterwarnings("ignore:.*use of fork:DeprecationWarning")
 @pytest.mark.parametrize("before", [False, True])
 def test_kill_9_while_packing_leaves_the_final_name_as_it_was(
     packed: Path, logs: list[Path], tmp_path: Path, before: bool
