@@ -10,7 +10,6 @@ robosuite's dense one in [0, 1]. An episode ends ("terminated") when the physics
 `info["is_success"]` and ends nothing.
 """
 
-import logging
 from typing import Any, ClassVar
 
 import gymnasium
@@ -22,8 +21,6 @@ from lfr.robots import ROBOTS
 from lfr.sim.layout import ObservationLayout
 from lfr.sim.osc import JOINTS
 from lfr.tasks import TASKS
-
-_LOG = logging.getLogger(__name__)
 
 
 def environment_id(robot: str, task: str) -> str:
@@ -64,12 +61,6 @@ class Environment(gymnasium.Env[NDArray[np.float64], NDArray[np.float32]]):
         self, action: NDArray[np.float32]
     ) -> tuple[NDArray[np.float64], float, bool, bool, dict[str, Any]]:
         steps = self.simulation.step(action)
-        if steps.diverged:
-            _LOG.warning(
-                "%s-%s: the physics diverged; the episode ends",
-                self.simulation.robot.name,
-                self.simulation.task.name,
-            )
         info = {"is_success": bool(steps.successes[-1]), "diverged": steps.diverged}
         return steps.observations[-1], float(steps.rewards[-1]), steps.diverged, False, info
 

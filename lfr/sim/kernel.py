@@ -67,15 +67,15 @@ def _control_step(
 ) -> bool:
     """Goal at the first substep, torques at every one; False when the physics diverges."""
     for substep in range(SUBSTEPS):
+        if not (_finite(physics.qvel, LARGEST) and _finite(physics.qpos, LARGEST)):
+            return False
         mj_step1(physics.model, physics.data)
         if substep == 0:
             set_goal(physics, scene, control, action)
             advance_gripper(physics, scene, control, action[6])
         set_torques(physics, scene, control)
         mj_step2(physics.model, physics.data)
-        if not (_finite(physics.qvel, LARGEST) and _finite(physics.qpos, LARGEST)):
-            return False
-    return True
+    return _finite(physics.qvel, LARGEST) and _finite(physics.qpos, LARGEST)
 
 
 @compiled

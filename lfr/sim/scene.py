@@ -102,6 +102,8 @@ def pruned_spec(xml: str, robot: Robot, task: Task) -> mujoco.MjSpec:
             for geom in body.geoms:
                 geom.contype = geom.conaffinity = 0
     spec.compiler.discardvisual = True
+    # Otherwise MuJoCo answers a divergence with a reset of its own, and the kernel never sees it.
+    spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET.value
     return spec
 
 

@@ -1,6 +1,8 @@
 """One arm in one task on the compiled engine."""
 
+import copy
 import functools
+import logging
 
 import mujoco
 import numpy as np
@@ -11,6 +13,8 @@ from lfr.sim.compilation import announce_compilation
 from lfr.sim.layout import ObservationLayout, Steps
 from lfr.sim.placement import Start
 from lfr.sim.scene import Scene, build_scene
+
+_LOG = logging.getLogger(__name__)
 
 
 class Simulation:
@@ -34,7 +38,7 @@ class Simulation:
         self.horizon = scene.task.horizon
         # Only Lift changes its model, by the size of its cube.
         self._resizable = scene.start.size_range is not None
-        self._model = scene.model if not self._resizable else scene.model.__copy__()
+        self._model = scene.model if not self._resizable else copy.copy(scene.model)
         self._data = mujoco.MjData(self._model)
         self._physics = libmujoco.physics(self._model, self._data)
         self._control = osc.controller()
@@ -90,6 +94,8 @@ class Simulation:
             successes,
         )
         self._observation = observations[n - 1]
+        if diverged:
+            _LOG.warning("%s-%s: the physics diverged", self.robot.name, self.task.name)
         return Steps(observations[:n], rewards[:n], successes[:n], bool(diverged))
 
     def observation(self) -> NDArray[np.float64]:
@@ -150,8 +156,10 @@ class Simulation:
         """Give Lift's cube other half sizes (m), as a compilation of the model with them would."""
         model, body = self._model, self._model.body(next(iter(self.task.objects.values())))
         geom, node = int(body.geomadr[0]), int(model.body_bvhadr[body.id])
-        density = body.mass[0] / np.prod(2 * model.geom_size[geom])
-        mass = density * np.prod(2 * size)
+        # From the scene's own model, so that nothing of an earlier cube enters.
+        built = self._scene.model
+        density = built.body_mass[body.id] / np.prod(built.geom_size[geom])
+        mass = density * np.prod(size)
         model.geom_size[geom] = size
         model.geom_rbound[geom] = np.linalg.norm(size)
         model.geom_aabb[geom, 3:] = model.bvh_aabb[node, 3:] = size

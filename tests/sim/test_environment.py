@@ -1,0 +1,47 @@
+"""The Gymnasium environments."""
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+
+from lfr.sim.environment import environment_id
+from tests.sim.pairs import COMBINATIONS
+
+
+@pytest.mark.parametrize(("robot", "task"), [COMBINATIONS[0], COMBINATIONS[-1]])
+def test_gymnasiums_own_check_passes(robot: str, task: str) -> None:
+    check_env(gymnasium.make(environment_id(robot, task)).unwrapped, skip_render_check=True)
+
+
+def test_all_eight_are_registered() -> None:
+    assert all(environment_id(*names) in gymnasium.registry for names in COMBINATIONS)
+    assert environment_id("panda", "lift") == "lfr/Lift-Panda-v0"
+
+
+def test_an_episode_is_cut_at_the_horizon_and_reports_success() -> None:
+    environment = gymnasium.make("lfr/Lift-Panda-v0")
+    environment.reset(seed=3)
+    for step in range(1, 151):
+        _, reward, terminated, truncated, info = environment.step(np.zeros(7, np.float32))
+        assert not terminated
+        assert truncated == (step == 150)
+        assert 0 <= reward <= 1
+        assert info["is_success"] is False
+
+
+def test_episodes_after_a_seed_differ_and_repeat() -> None:
+    environment = gymnasium.make("lfr/Stack-Sawyer-v0")
+    first = [environment.reset(seed=5)[0], environment.reset()[0], environment.reset()[0]]
+    again = [environment.reset(seed=5)[0], environment.reset()[0], environment.reset()[0]]
+    np.testing.assert_array_equal(first, again)
+    assert not np.array_equal(first[1], first[2])
+
+
+def test_a_diverged_episode_terminates(caplog: pytest.LogCaptureFixture) -> None:
+    environment = gymnasium.make("lfr/Lift-Panda-v0").unwrapped
+    environment.reset(seed=0)
+    _, _, terminated, _, info = environment.step(np.full(7, np.nan, np.float32))
+    assert terminated
+    assert info["diverged"]
+    assert "diverged" in caplog.text
