@@ -21,8 +21,8 @@ class Simulation:
     """One arm in one task, a whole run of control steps in one compiled call.
 
     Control is 20 Hz, physics 2 ms; observations, rewards and successes are those of
-    `lfr.sim.stock.StockSimulation`, the oracle in the tests. `docs/architecture.md` lists what
-    differs from stock robosuite. An instance is for one thread at a time; the GIL is released
+    `lfr.sim.stock.StockSimulation`, the oracle in the tests. `lfr.sim` lists what differs
+    from stock robosuite. An instance is for one thread at a time; the GIL is released
     while it steps, so several instances run beside each other.
 
     Raises:
