@@ -24,8 +24,10 @@ ROOT = Path(__file__).parent.parent
 PROGRAM = """
 import json, sys
 from pathlib import Path
+from types import SimpleNamespace
 from lfr.errors import LfrError
 from lfr.jobs import run_jobs
+from lfr.jobs.cluster import run_on_ray
 from tests import made_up_jobs as jobs
 
 if __name__ == "__main__":
@@ -36,7 +38,12 @@ if __name__ == "__main__":
     found["more"] = run_jobs(jobs.square, more, work=folder / "work")
     found["numerical"] = run_jobs(jobs.numerical, [0])
     found["died"] = run_jobs(jobs.dies_once, more)
-    found["reported"] = run_jobs(jobs.reporting, [8])
+    found["heard"] = []
+    heard = SimpleNamespace(
+        report=lambda index, fraction: found["heard"].append(fraction),
+        finish=lambda index, result: found["heard"].append(result),
+    )
+    run_on_ray(jobs.reporting, {0: 8}, heard)
     try:
         run_jobs(jobs.unknown, ["x"])
     except LfrError as error:
@@ -77,18 +84,18 @@ def ray_address() -> Iterator[str]:
 
 @pytest.fixture(scope="module")
 def found(ray_address: str, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
-    """What the program finds on the cluster; its progress lines are under "lines"."""
+    """What the program finds on the cluster."""
     folder = tmp_path_factory.mktemp("jobs")
     done = subprocess.run(
         [sys.executable, "-c", PROGRAM, str(folder)],
         cwd=ROOT,
-        env={**os.environ, "RAY_ADDRESS": ray_address, "LFR_PROGRESS": "1"},
+        env={**os.environ, "RAY_ADDRESS": ray_address},
         capture_output=True,
         text=True,
     )
     assert done.returncode == 0, done.stderr
     ran = sorted((folder / "ran").read_text().split())
-    return {**json.loads((folder / "found.json").read_text()), "ran": ran, "lines": done.stderr}
+    return {**json.loads((folder / "found.json").read_text()), "ran": ran}
 
 
 @pytest.mark.slow
@@ -106,7 +113,10 @@ def test_a_killed_worker_costs_one_attempt(found: dict[str, Any]) -> None:
 
 @pytest.mark.slow
 def test_reports_arrive(found: dict[str, Any]) -> None:
-    assert any("0." in line for line in found["lines"].splitlines() if "/1 [" in line)
+    *fractions, result = found["heard"]
+    assert result == 8
+    assert any(0 < fraction < 1 for fraction in fractions)
+    assert fractions == sorted(fractions)
 
 
 @pytest.mark.slow
