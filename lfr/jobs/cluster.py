@@ -6,6 +6,7 @@ the jobs read datasets and keep checkpoints there, so a job whose node dies goes
 
 from __future__ import annotations
 
+import logging
 import os
 import socket
 from collections.abc import Callable, Mapping
@@ -101,7 +102,7 @@ def _connect() -> Any:
     environment = {"env_vars": {"PYTHONPATH": os.getcwd()}}
     try:
         _knock(address)
-        ray.init(logging_level="ERROR", log_to_driver=False, runtime_env=environment)
+        ray.init(logging_level=logging.ERROR, log_to_driver=False, runtime_env=environment)
     except (OSError, RuntimeError, ValueError, ray.exceptions.RayError) as error:
         raise LfrError(f"no Ray cluster at RAY_ADDRESS={address}: {_one_line(error)}") from None
     return ray
