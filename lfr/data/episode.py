@@ -115,10 +115,17 @@ class Episode:
     """One recorded episode of T frames.
 
     Row t of a feature is what was observed before action t, action t itself, and (`next.*`) what
-    came of it. `features[key]` is (T, *shape), a scalar feature (T,). `simulator_state` is
-    (T + 1, S) float64: the state before each action and, last, after the final one. `images` maps
-    a camera's name to T JPEG files. `metadata` is what the log says of itself: instruction,
-    attempt, controller, fps, the schema of each feature, provenance.
+    came of it.
+
+    Attributes:
+        features: by key, (T, *shape), a scalar feature (T,), each in its dtype.
+        simulator_state: (T + 1, S) float64, before each action and, last, after the final one.
+        executed_action: (T, A) float64, what the simulator was given, exactly: from
+            simulator_state[0] it gives the other states again. It differs from the feature
+            `action`, the label, where noise was added to it. None where only a dataset is left.
+        images: by camera, T JPEG files.
+        metadata: what the log says of itself: instruction, attempt, controller, fps, the schema of
+            each feature, provenance.
     """
 
     robot: str
@@ -127,6 +134,7 @@ class Episode:
     success: bool
     features: Mapping[str, np.ndarray]
     simulator_state: np.ndarray
+    executed_action: np.ndarray | None = None
     images: Mapping[str, Sequence[bytes]] = field(default_factory=dict)
     metadata: Mapping[str, Any] = field(default_factory=dict)
 

@@ -5,6 +5,7 @@ Topics, all at simulated time t / 20 s:
     /joint_states            foxglove.JointStates      positions (rad), velocities (rad/s)
     /tf                      foxglove.FrameTransforms  world -> each body and object (m)
     /observation, /action    lfr.Observation, lfr.Action: one double per named dimension
+    /executed_action         lfr.Action                where noise was added to the action
     /reward, /success        lfr.Reward, lfr.Success   what came of the action of that frame
     /simulator_state         lfr.SimulatorState        float64, T + 1 of them: a log replays
     /camera/<name>           foxglove.CompressedImage  JPEG
@@ -55,7 +56,8 @@ class Frame:
 
     `observation` (D,) is observation.state followed by observation.environment_state,
     `simulator_state` (S,) the state before the action, `body_poses` positions (3,) in metres and
-    quaternions (4,) wxyz in the world, `images` (H, W, 3) uint8.
+    quaternions (4,) wxyz in the world, `images` (H, W, 3) uint8. `executed_action` (A,) is what the
+    simulator was given, where noise was added to `action`, which is then the label to learn.
     """
 
     observation: NDArray[np.float64]
@@ -64,6 +66,7 @@ class Frame:
     reward: float
     success: bool
     simulator_state: NDArray[np.float64]
+    executed_action: NDArray[np.float64] | None = None
     joint_velocity: NDArray[np.float64] | None = None
     body_poses: Mapping[str, Pose] = field(default_factory=dict)
     images: Mapping[str, NDArray[np.uint8]] = field(default_factory=dict)
@@ -107,6 +110,7 @@ class EpisodeLog:
         self._schemas = {
             messages.OBSERVATION: messages.record("Observation", names),
             messages.ACTION: messages.record("Action", ACTION_NAMES),
+            messages.EXECUTED_ACTION: messages.record("Action", ACTION_NAMES),
             messages.REWARD: messages.record("Reward", ("reward",)),
             messages.SUCCESS: messages.record("Success", ("success",)),
             messages.SIMULATOR_STATE: messages.vector("SimulatorState"),
@@ -124,6 +128,8 @@ class EpisodeLog:
         now = self._now()
         self._log_record(messages.OBSERVATION, frame.observation, now)
         self._log_record(messages.ACTION, frame.action, now)
+        if frame.executed_action is not None:
+            self._log_record(messages.EXECUTED_ACTION, frame.executed_action, now)
         self._log_record(messages.REWARD, [frame.reward], now)
         self._log_record(messages.SUCCESS, [frame.success], now)
         self._log_record(messages.SIMULATOR_STATE, frame.simulator_state, now)

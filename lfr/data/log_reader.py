@@ -28,7 +28,7 @@ from lfr.data.episode import (
     Episode,
 )
 from lfr.data.mcap_file import open_whole
-from lfr.data.messages import SIMULATOR_STATE
+from lfr.data.messages import EXECUTED_ACTION, SIMULATOR_STATE
 from lfr.errors import DataError
 
 PER_FRAME = (
@@ -83,6 +83,8 @@ def read_log(path: Path) -> Episode:
     counts = {topic: (len(values.get(topic, ())), frames) for topic in PER_FRAME}
     counts[SIMULATOR_STATE] = (len(values.get(SIMULATOR_STATE, ())), frames + 1)
     counts |= {messages.CAMERA + name: (len(files), frames) for name, files in images.items()}
+    if EXECUTED_ACTION in values:
+        counts[EXECUTED_ACTION] = (len(values[EXECUTED_ACTION]), frames)
     for topic, (found, expected) in counts.items():
         if found != expected:
             raise DataError(
@@ -95,6 +97,7 @@ def read_log(path: Path) -> Episode:
     # MCAP sorts a record by key; the order of FEATURES is that of the columns below
     schema = {f.key: metadata["features"][f.key] for f in FEATURES}
     rows = {topic: _stack(values[topic], topic, path) for topic in (*PER_FRAME, SIMULATOR_STATE)}
+    executed = values.get(EXECUTED_ACTION, values[messages.ACTION])
     observation = rows[messages.OBSERVATION]
     split = len(schema[STATE]["names"])
     done = np.zeros(frames, bool)
@@ -126,6 +129,7 @@ def read_log(path: Path) -> Episode:
         success=metadata["outcome"]["success"],
         features={key: column.astype(schema[key]["dtype"]) for key, column in columns.items()},
         simulator_state=rows[SIMULATOR_STATE],
+        executed_action=_stack(executed, EXECUTED_ACTION, path),
         images=images,
         metadata={**about, "features": schema, "provenance": metadata.get("provenance", {})},
     )
@@ -155,7 +159,7 @@ def _decoders(topic: str) -> Decoder | None:
         return _vector
     if topic == messages.JOINT_STATES:
         return _joint_positions
-    return _record if topic in PER_FRAME else None
+    return _record if topic in (*PER_FRAME, EXECUTED_ACTION) else None
 
 
 @cache

@@ -33,6 +33,7 @@ from numpy.typing import ArrayLike, NDArray
 JOINT_STATES = "/joint_states"
 TRANSFORMS = "/tf"
 ACTION = "/action"
+EXECUTED_ACTION = "/executed_action"
 OBSERVATION = "/observation"
 REWARD = "/reward"
 SUCCESS = "/success"

@@ -83,6 +83,21 @@ def test_zero_and_its_sign_are_written(tmp_path: Path, value: float) -> None:
     assert found["action"].tobytes() == np.full(7, value, np.float32).tobytes()
 
 
+def test_the_executed_action_is_kept_exactly_beside_the_label(tmp_path: Path) -> None:
+    logged = made_up.frames(seed=4, length=6)
+    for name, noise in (("clean", None), ("noisy", np.full(7, 0.1))):
+        with EpisodeLog(tmp_path / f"{name}.mcap", made_up.info()) as log:
+            for f in logged:
+                executed = None if noise is None else f.action + noise
+                log.frame(type(f)(**{**vars(f), "executed_action": executed}))
+            log.finish(np.zeros(30))
+    labels = np.array([f.action for f in logged])
+    clean, noisy = (read_log(tmp_path / f"{name}.mcap") for name in ("clean", "noisy"))
+    np.testing.assert_array_equal(clean.executed_action, labels)
+    np.testing.assert_array_equal(noisy.executed_action, labels + 0.1)
+    np.testing.assert_array_equal(noisy.features["action"], labels.astype(np.float32))
+
+
 def test_poses_are_read_back(tmp_path: Path) -> None:
     logged = made_up.write(tmp_path / "e.mcap", seed=1, length=5)
     poses = body_poses(tmp_path / "e.mcap")
