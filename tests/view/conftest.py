@@ -1,0 +1,69 @@
+"""One short episode of Panda on Lift, logged and shown once for all the tests of this folder."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from lfr.data.episode import Episode, EpisodeInfo
+from lfr.data.log import EpisodeLog, Frame
+from lfr.data.log_reader import read_log
+
+FRAMES = 12
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """A log, what it holds, and the poses that MuJoCo gave: body -> (FRAMES + 1, 7)."""
+
+    log: Path
+    episode: Episode
+    poses: dict[str, NDArray[np.float64]]
+
+
+@pytest.fixture(scope="session")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> Recorded:
+    from lfr.sim.simulation import simulation
+
+    sim = simulation("panda", "lift")
+    observation, layout = sim.reset(5), sim.layout
+    info = EpisodeInfo(
+        "panda", "lift", 5, "lift the cube", layout.state_names, layout.environment_names
+    )
+    path = tmp_path_factory.mktemp("logs") / "panda-lift" / "episode-000000.mcap"
+    rng, rows = np.random.default_rng(0), []
+    with EpisodeLog(path, info) as log:
+        for t in range(FRAMES):
+            action = rng.uniform(-1, 1, 7)
+            poses = sim.body_poses()
+            rows.append(poses)
+            frame = Frame(
+                observation=observation,
+                joint_position=sim.joint_position(),
+                action=action,
+                reward=0.1 * t,
+                success=t > 8,
+                simulator_state=sim.state(),
+                body_poses=poses,
+                images={"agentview": np.full((64, 64, 3), 20 * t, np.uint8)},
+            )
+            observation = sim.step(action[None]).observations[0]
+            log.frame(frame)
+        rows.append(sim.body_poses())
+        log.finish(sim.state(), rows[-1])
+    poses = {name: np.array([np.concatenate(row[name]) for row in rows]) for name in rows[0]}
+    return Recorded(path, read_log(path), poses)
+
+
+@pytest.fixture(scope="session")
+def shown(recorded: Recorded, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The episode's `.rrd`, as `lfr view LOG --save` writes it."""
+    from lfr.cli import main
+
+    path = tmp_path_factory.mktemp("shown") / "episode.rrd"
+    assert main(["view", str(recorded.log), "--save", str(path)]) == 0
+    return path
