@@ -53,7 +53,11 @@ class Learner:
         self.target_flat = flatten_parameters(self.target, trainable=False)
 
     def update(self, batch: Batch, *, critics_only: bool = False) -> Info:
-        """One step of critics, policy and temperature; scalars that describe it, detached."""
+        """One step of the critics and, when it is due, of policy and temperature.
+
+        Returns:
+            Scalars that describe it, detached; those of the policy only if it made a step.
+        """
         noise = torch.randn(2, *batch.z.shape, generator=self.generator)
         alpha = self.temperature()
         with torch.no_grad():
@@ -65,7 +69,7 @@ class Learner:
         with torch.no_grad():
             self.target_flat.lerp_(self.critic_adam.flat, self.params.tau)
         info = {"critic_loss": loss.detach(), "q": q.detach().mean(), "alpha": alpha}
-        if critics_only:
+        if critics_only or self.critic_adam.steps % self.params.policy_every:
             return info
         return info | self.improve(batch, inputs, alpha, noise[1])
 

@@ -157,11 +157,11 @@ class TransferLoop:
             progress.updates += 1
         if not infos:
             return
-        names = list(infos[0])
-        values = torch.stack([torch.stack([info[n] for n in names]) for info in infos]).double()
-        for name, total in zip(names, values.sum(0).tolist(), strict=True):
-            self._add(name, total, len(infos))
-        info = dict(zip(names, values[-1].tolist(), strict=True))
+        info = {}
+        for name in {name: None for one in infos for name in one}:
+            values = torch.stack([one[name] for one in infos if name in one]).tolist()
+            self._add(name, sum(values), len(values))
+            info[name] = sum(values) / len(values)
         if not np.isfinite(list(info.values())).all():
             raise LfrError(
                 f"the learner diverged after {progress.updates} updates: {info}; "

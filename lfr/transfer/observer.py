@@ -51,7 +51,7 @@ class Observer:
         """A learning episode ended."""
 
     def on_update(self, env_steps: int, updates: int, info: Mapping[str, float]) -> None:
-        """A round of updates was made; ``info`` is of its last one."""
+        """A round of updates was made; ``info`` holds their means."""
 
     def on_evaluation(self, point: CurvePoint) -> None:
         """The policy was evaluated."""

@@ -21,12 +21,13 @@ class TransferParams:
     dense_scale: float = 0.1  # a skill's summed dense reward is then at most 1, as the sparse one
     train_phi: bool = True  # the paper trains the extended policy; False keeps Eq. 7's phi fixed
 
-    batch: int = 128  # paper 64; with REDQ's and SAC's 256 an update costs twice as much
+    batch: int = 64  # paper; SAC's 256 costs three times as much an update
     policy_lr: float = 3e-4  # paper 1e-3; the policy is pretrained here, SAC's rate keeps it
     critic_lr: float = 1e-3  # paper
     gamma: float = 0.99  # paper; per skill, as in SPiRL, not per control step
     tau: float = 5e-3  # SPiRL; Polyak averaging of the target critics
-    updates_per_skill: float = 4.0  # SPiRL 1; a skill costs H control steps, an update 4 ms
+    updates_per_skill: float = 4.0  # SPiRL 1; a skill's H control steps cost more than an update
+    policy_every: int = 2  # updates of the critics to one of the policy (TD3; RLPD and REDQ: 20)
     warm_up: int = 1_000  # environment steps in which the policy stays phi(p_a); critics learn
     replay: int = 100_000  # skills
 
@@ -47,9 +48,9 @@ class TransferParams:
 
     def __post_init__(self) -> None:
         positive = (
-            "steps", "dense_scale", "batch", "policy_lr", "critic_lr", "replay", "critics",
-            "initial_alpha", "simulations", "evaluate_every", "evaluation_episodes",
-            "checkpoint_every",
+            "steps", "policy_every", "dense_scale", "batch", "policy_lr", "critic_lr", "replay",
+            "critics", "initial_alpha", "alpha_lr", "simulations", "evaluate_every",
+            "evaluation_episodes", "checkpoint_every",
         )  # fmt: skip
         for name in positive:
             if getattr(self, name) <= 0:

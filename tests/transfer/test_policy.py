@@ -56,7 +56,8 @@ def test_phi_learns_only_when_asked_to(artifacts, params):
         start = method("lfr")(artifacts, dataclasses.replace(params, train_phi=train_phi))
         policy = start.actor.policy
         learner = Learner(policy, start.normalizer, 3, 2, params, torch.Generator())
-        learner.update(_batch())
+        for _ in range(params.policy_every):
+            learner.update(_batch())
         moved = [
             not torch.equal(a, b)
             for a, b in zip(policy.phi.parameters(), artifacts.generator.parameters(), strict=True)

@@ -1,0 +1,89 @@
+"""One training run on the engine: simulations, loop, and the final policy with its curve."""
+
+from __future__ import annotations
+
+import dataclasses
+import time
+from pathlib import Path
+from typing import Any
+
+from lfr.artifacts import plain
+from lfr.errors import DataError
+from lfr.transfer.loop import TransferLoop
+from lfr.transfer.methods import Start
+from lfr.transfer.model import save_policy
+from lfr.transfer.observer import Observer
+from lfr.transfer.params import TransferParams
+
+
+class _Report(Observer):
+    """Forwards to another observer and moves the job's progress bar."""
+
+    def __init__(self, observer: Observer) -> None:
+        self.observer = observer
+        self.on_episode = observer.on_episode
+        self.on_update = observer.on_update
+        self.on_evaluation = observer.on_evaluation
+
+    def on_progress(self, env_steps: int, total: int) -> None:
+        from lfr.jobs import report
+
+        report(env_steps, total)
+        self.observer.on_progress(env_steps, total)
+
+
+def train(
+    start: Start,
+    robot: str,
+    task: str,
+    params: TransferParams,
+    seed: int,
+    *,
+    out: Path,
+    work: Path | None = None,
+    about: dict[str, Any] | None = None,
+    observer: Observer | None = None,
+) -> dict[str, Any]:
+    """Learn ``task`` on ``robot`` and leave the policy in ``out``; meant to run inside a job.
+
+    Args:
+        start: from a method (`lfr.transfer.methods`).
+        seed: of the run, 0 to 24 (each has its own share of the learning seeds).
+        out: the final policy's folder, written whole at the end.
+        work: checkpoints; a run that was killed goes on from the last one.
+        about: what else is stored with the policy: transfer, method, revisions.
+
+    Returns:
+        JSON-able: seed, env_steps, updates, episodes, seconds (of this process, after the last
+        resume) and the curve, a list of `CurvePoint` as mappings, its first point before any RL.
+
+    Raises:
+        UnknownNameError: unknown robot or task.
+        DataError: the source's prior was trained on another state layout.
+    """
+    from lfr.sim.simulation import Simulation
+
+    began = time.perf_counter()
+    simulations = [Simulation(robot, task) for _ in range(params.simulations)]
+    names = simulations[0].layout.names
+    if names != start.layout_names:
+        pairs = zip(start.layout_names, names, strict=False)
+        found, expected = next((p for p in pairs if p[0] != p[1]), (start.layout_names, names))
+        raise DataError(
+            f"the prior was trained on another state layout than {task}'s",
+            file=out,
+            found=found,
+            expected=expected,
+        )
+    loop = TransferLoop(start, simulations, params, seed, work, _Report(observer or Observer()))
+    curve = [dataclasses.asdict(point) for point in loop.run()]
+    described = {"robot": robot, "task": task, "seed": seed, "params": plain(params)}
+    save_policy(out, loop.actor, described | (about or {}))
+    return {
+        "seed": seed,
+        "env_steps": loop.progress.env_steps,
+        "updates": loop.progress.updates,
+        "episodes": loop.progress.episodes,
+        "seconds": time.perf_counter() - began,
+        "curve": curve,
+    }

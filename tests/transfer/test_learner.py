@@ -1,0 +1,126 @@
+"""One update against the same update written out with torch's own pieces."""
+
+import copy
+import dataclasses
+
+import pytest
+import torch
+from torch import Tensor
+from torch.distributions import Normal
+from torch.distributions.kl import kl_divergence
+
+from lfr.errors import ParameterError
+from lfr.params import from_mapping
+from lfr.transfer.learner import Learner
+from lfr.transfer.methods import method
+from lfr.transfer.params import TransferParams
+from lfr.transfer.replay import Batch
+
+
+def _batch(actor, size: int = 12) -> Batch:
+    observation, after = torch.randn(size, 3), torch.randn(size, 3)
+    with torch.no_grad():
+        prior, next_prior = actor.prior(observation), actor.prior(after)
+    discount = torch.where(torch.rand(size) < 0.3, 0.0, 0.99)
+    z, reward = torch.randn(size, 2), torch.rand(size)
+    return Batch(observation, z, reward, discount, after, *prior, *next_prior)
+
+
+def _learner(artifacts, params, **changes):
+    torch.manual_seed(0)
+    start = method("lfr")(artifacts, dataclasses.replace(params, **changes))
+    # Away from the prior, so that the divergence of Eq. 9 is not zero.
+    with torch.no_grad():
+        for parameter in start.actor.policy.parameters():
+            parameter.add_(0.1 * torch.randn_like(parameter))
+    generator = torch.Generator().manual_seed(7)
+    params = dataclasses.replace(params, **changes)
+    return start.actor, Learner(start.actor.policy, start.normalizer, 3, 2, params, generator)
+
+
+def test_an_update_is_that_of_equation_9(artifacts, params):
+    actor, learner = _learner(artifacts, params, policy_every=1, initial_alpha=0.3)
+    batch = _batch(actor)
+    policy, critics, target = (
+        copy.deepcopy(m) for m in (actor.policy, learner.critics, learner.target)
+    )
+    noise = torch.randn(2, 12, 2, generator=torch.Generator().manual_seed(7))
+
+    def divergence(mu: Tensor, log_sigma: Tensor, observation: Tensor) -> Tensor:
+        prior_mu, prior_log_sigma = actor.prior(observation)
+        return kl_divergence(
+            Normal(mu, log_sigma.exp()), Normal(prior_mu, prior_log_sigma.exp())
+        ).sum(-1)
+
+    with torch.no_grad():
+        mu, log_sigma = policy(batch.next_observation)
+        q = target(batch.next_observation, mu + log_sigma.exp() * noise[0]).min(0).values
+        kl = divergence(mu, log_sigma, batch.next_observation)
+        y = batch.reward + batch.discount * (q - 0.3 * kl)
+    adam = torch.optim.Adam(critics.parameters(), lr=params.critic_lr)
+    loss = sum(torch.nn.functional.mse_loss(q, y) for q in critics(batch.observation, batch.z))
+    assert isinstance(loss, Tensor)
+    loss.backward()
+    adam.step()
+
+    adam = torch.optim.Adam(policy.parameters(), lr=params.policy_lr)
+    mu, log_sigma = policy(batch.observation)
+    q = critics(batch.observation, mu + log_sigma.exp() * noise[1]).min(0).values
+    kl = divergence(mu, log_sigma, batch.observation).mean()
+    (0.3 * kl - q.mean()).backward()
+    adam.step()
+
+    info = learner.update(batch)
+    assert info["critic_loss"].item() == pytest.approx(float(loss), rel=1e-4)
+    assert info["kl"].item() == pytest.approx(float(kl), rel=1e-4)
+    assert info["kl"] > 0.01
+    for ours, theirs in ((actor.policy, policy), (learner.critics, critics)):
+        for one, other in zip(ours.parameters(), theirs.parameters(), strict=True):
+            torch.testing.assert_close(one, other, rtol=1e-3, atol=1e-5)
+    for moved, old, new in zip(
+        learner.target.parameters(), target.parameters(), critics.parameters(), strict=True
+    ):
+        torch.testing.assert_close(moved, old + params.tau * (new - old), rtol=1e-3, atol=1e-5)
+    direction = 1 if kl > params.target_divergence else -1
+    assert (learner.temperature().item() - 0.3) * direction > 0
+
+
+def test_policy_waits_its_turn_and_warm_up_leaves_it(artifacts, params):
+    actor, learner = _learner(artifacts, params, policy_every=3)
+    before = learner.policy_adam.flat.clone()
+    moved = []
+    for i in range(6):
+        info = learner.update(_batch(actor), critics_only=i == 2)
+        moved.append(not torch.equal(before, learner.policy_adam.flat))
+        assert ("kl" in info) == (i == 5)
+    assert moved == [False] * 5 + [True]
+
+
+def test_fixed_alpha_stays(artifacts, params):
+    actor, learner = _learner(artifacts, params, policy_every=1, fixed_alpha=True)
+    learner.update(_batch(actor))
+    assert learner.temperature().item() == pytest.approx(params.initial_alpha)
+
+
+def test_a_random_subset_bounds_the_target_from_above(artifacts, params):
+    """REDQ: the minimum over two of five critics is no lower than over all, and often the same."""
+    actor, learner = _learner(artifacts, params, critics=5, target_subset=2)
+    batch, noise = _batch(actor), torch.zeros(12, 2)
+    alpha = learner.temperature()
+    some = [learner.targets(batch, alpha, noise) for _ in range(20)]
+    learner.params = dataclasses.replace(learner.params, target_subset=0)
+    everyone = learner.targets(batch, alpha, noise)
+    assert all((one >= everyone - 1e-6).all() for one in some)
+    assert any((one > everyone + 1e-6).any() for one in some)
+
+
+def test_parameters_are_held_to_their_ranges():
+    assert from_mapping(TransferParams, {}, "transfer") == TransferParams()
+    with pytest.raises(ParameterError, match="gamma"):
+        TransferParams(gamma=1.5)
+    with pytest.raises(ParameterError, match="target_subset"):
+        TransferParams(critics=2, target_subset=3)
+    with pytest.raises(ParameterError, match="steps"):
+        TransferParams(steps=0)
+    with pytest.raises(ParameterError, match="batch"):
+        TransferParams(batch=64, replay=10)
