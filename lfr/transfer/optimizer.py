@@ -44,6 +44,7 @@ class FlatAdam:
         self.flat = flatten_parameters(module)
         self.mean = torch.zeros_like(self.flat)  # m, first moment of the gradient
         self.square = torch.zeros_like(self.flat)  # v, second moment
+        self.scratch = torch.empty_like(self.flat)
         self.steps = 0
 
     def step(self, loss: Tensor) -> None:
@@ -57,9 +58,11 @@ class FlatAdam:
         (beta1, beta2), self.steps = self.betas, self.steps + 1
         self.mean.lerp_(gradient, 1.0 - beta1)
         self.square.mul_(beta2).addcmul_(gradient, gradient, value=1.0 - beta2)
+        # Both bias corrections go into the scalars, which saves a pass over the parameters.
         scale = math.sqrt(1.0 - beta2**self.steps)
-        denominator = self.square.sqrt().div_(scale).add_(self.epsilon)
-        self.flat.addcdiv_(self.mean, denominator, value=-self.lr / (1.0 - beta1**self.steps))
+        size = self.lr * scale / (1.0 - beta1**self.steps)
+        torch.sqrt(self.square, out=self.scratch).add_(self.epsilon * scale)
+        self.flat.addcdiv_(self.mean, self.scratch, value=-size)
 
     def state(self) -> dict[str, Tensor]:
         """The parameters and both moments, (P,) each, and the number of steps."""
