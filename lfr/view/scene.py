@@ -109,14 +109,16 @@ def log_bodies(recording: rr.RecordingStream, bodies: Iterable[Body], world: str
 
 
 def mesh_archetype(mesh: Mesh) -> rr.Mesh3D:
-    """A mesh as rerun draws it."""
+    """A mesh as rerun draws it, of one colour where it has one: only that may be transparent."""
     import rerun as rr
 
+    plain = bool((mesh.colors == mesh.colors[0]).all())
     return rr.Mesh3D(
         vertex_positions=mesh.positions,
         vertex_normals=mesh.normals,
         triangle_indices=mesh.triangles,
-        vertex_colors=mesh.colors if mesh.texture is None else None,
+        vertex_colors=None if plain else mesh.colors,
+        albedo_factor=mesh.colors[0] if plain else None,
         vertex_texcoords=mesh.texcoords,
         albedo_texture=mesh.texture,
     )
