@@ -1,0 +1,209 @@
+"""Demonstrations as MCAP logs: the expert tries seed after seed until enough attempts succeed."""
+
+from __future__ import annotations
+
+import math
+import os
+import shutil
+import sys
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lfr.artifacts import plain, write_whole
+from lfr.demos.attempt import AttemptParams, attempt
+from lfr.errors import LfrError, ParameterError
+from lfr.jobs import run_jobs
+from lfr.seeds import episode_seed
+
+
+@dataclass(frozen=True)
+class CameraParams:
+    """The camera whose pictures are logged."""
+
+    name: str = "agentview"  # of robosuite's scene
+    width: int = 128  # pixels
+    height: int = 128
+
+
+@dataclass(frozen=True)
+class RecordParams:
+    """Parameters of the record stage: section ``record`` of params.yaml."""
+
+    episodes: int = 50  # successful demonstrations per robot and task
+    most_attempts: float = 4.0  # per demonstration, before the expert is given up
+    attempt: AttemptParams = field(default_factory=AttemptParams)
+    camera: CameraParams | None = field(default_factory=CameraParams)  # None: no pictures
+
+    def __post_init__(self) -> None:
+        if self.episodes < 1 or self.most_attempts < 1:
+            raise ParameterError(
+                "episodes and most_attempts must be at least 1, "
+                f"found {self.episodes} and {self.most_attempts}"
+            )
+
+
+@dataclass(frozen=True)
+class AttemptJob:
+    """One attempt; its log goes to ``folder``."""
+
+    robot: str
+    task: str
+    seed: int
+    folder: str
+    attempt: AttemptParams
+    camera: CameraParams | None
+
+
+def record_demonstrations(
+    robot: str, task: str, params: RecordParams, out: Path, work: Path
+) -> dict[str, Any]:
+    """Record ``params.episodes`` demonstrations as ``out/episode-000000.mcap`` and so on.
+
+    Attempts run over the seeds 0, 1, 2, ...; the first that succeed are kept, in the order of
+    their seeds. Without OpenGL the logs hold states alone, and a line on stderr says so.
+
+    Args:
+        out: the logs' folder, written whole at the end.
+        work: keeps each finished attempt, so that a killed recording goes on.
+
+    Returns:
+        What was attempted and what came of it, for the stage's metrics.
+
+    Raises:
+        LfrError: the expert succeeds too seldom.
+    """
+    camera = params.camera if _can_draw(params.camera) else None
+    attempts: list[dict[str, Any]] = []
+    kept: list[dict[str, Any]] = []
+    most = math.ceil(params.most_attempts * params.episodes)
+    while len(kept) < params.episodes:
+        if len(attempts) >= most:
+            raise LfrError(
+                f"the expert succeeded in {len(kept)} of {len(attempts)} attempts at {task} on "
+                f"{robot}; expected {params.episodes} successes; mend record.attempt"
+            )
+        missing = params.episodes - len(kept)
+        # After a first round, a few more than are missing: another round costs another start.
+        count = math.ceil(1.5 * missing) if attempts else missing
+        seeds = range(len(attempts), min(len(attempts) + count, most))
+        jobs = [
+            AttemptJob(
+                robot, task, episode_seed("demonstration", seed), str(work), params.attempt, camera
+            )
+            for seed in seeds
+        ]
+        attempts += run_jobs(
+            record_attempt, jobs, work=work, description=f"record {robot}-{task}", unit="attempt"
+        )
+        kept = [one for one in attempts if one["success"]][: params.episodes]
+    with write_whole(out) as partial:
+        partial.mkdir()
+        for number, one in enumerate(kept):
+            _place(log_path(work, one["seed"]), partial / f"episode-{number:06d}.mcap")
+    lengths = [one["frames"] for one in kept]
+    successes = sum(one["success"] for one in attempts)
+    return {
+        "episodes": len(kept),
+        "attempts": len(attempts),
+        "failures": len(attempts) - successes,
+        "expert_success": successes / len(attempts),
+        "frames": sum(lengths),
+        "length": {
+            "mean": float(np.mean(lengths)),
+            "median": float(np.median(lengths)),
+            "min": min(lengths),
+            "max": max(lengths),
+        },
+        "seeds": {"first": kept[0]["seed"], "last": kept[-1]["seed"]},
+        "failed_seeds": [one["seed"] for one in attempts if not one["success"]],
+        "camera": camera.name if camera else None,
+    }
+
+
+def record_attempt(job: AttemptJob) -> dict[str, Any]:
+    """Run one attempt and log it; a failed one leaves no log. The same job, the same bytes."""
+    from lfr.data.episode import EpisodeInfo
+    from lfr.data.log import EpisodeLog, Frame
+    from lfr.sim.simulation import simulation
+
+    running, shown = simulation(job.robot, job.task), _shown(job.robot, job.task)
+    camera = _camera(job.robot, job.task, job.camera) if job.camera else None
+    task, layout = running.task, running.layout
+    info = EpisodeInfo(
+        robot=job.robot,
+        task=job.task,
+        seed=job.seed,
+        instruction=task.instruction,
+        state_names=layout.state_names,
+        environment_names=layout.environment_names,
+        joint_names=running.robot.joints,
+        extra={"expert": str(plain(job.attempt))},
+    )
+    frames, success = 0, False
+    with EpisodeLog(log_path(Path(job.folder), job.seed), info) as log:
+        for moment in attempt(running, job.attempt, job.seed):
+            # A second simulation shows the moment before the action; the first is one step on.
+            shown.set_state(moment.simulator_state)
+            log.frame(
+                Frame(
+                    observation=moment.observation,
+                    joint_position=moment.joint_position,
+                    joint_velocity=shown.joint_velocity(),
+                    action=moment.action,
+                    executed_action=moment.executed,
+                    reward=moment.reward,
+                    success=moment.success,
+                    simulator_state=moment.simulator_state,
+                    body_poses=shown.body_poses(),
+                    images={camera.name: camera.render(shown)} if camera else {},
+                )
+            )
+            frames, success = frames + 1, success or moment.success
+        if success:
+            log.finish(running.state(), running.body_poses())
+    return {"seed": job.seed, "success": success, "frames": frames}
+
+
+def log_path(folder: Path, seed: int) -> Path:
+    """Where the attempt of a seed is logged before it is numbered."""
+    return folder / f"seed-{seed:06d}.mcap"
+
+
+@cache
+def _shown(robot: str, task: str) -> Any:
+    """This process's simulation for looking at states that another one has left."""
+    from lfr.sim.simulation import Simulation
+
+    return Simulation(robot, task)
+
+
+@cache
+def _camera(robot: str, task: str, params: CameraParams) -> Any:
+    from lfr.sim.camera import Camera
+
+    return Camera(robot, task, params.name, params.width, params.height)
+
+
+def _can_draw(params: CameraParams | None) -> bool:
+    from lfr.sim.camera import camera_available
+
+    if params is not None and not camera_available():
+        print(
+            "lfr: no OpenGL, so no video is recorded; on Debian and Ubuntu install libegl1 and "
+            "libegl-mesa0",
+            file=sys.stderr,
+        )
+        return False
+    return params is not None
+
+
+def _place(log: Path, final: Path) -> None:
+    """The log under its final name: the same file twice where the file system can do that."""
+    try:
+        os.link(log, final)
+    except OSError:
+        shutil.copyfile(log, final)

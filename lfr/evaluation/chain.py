@@ -1,0 +1,61 @@
+"""The chain from the source's prior to the target's skill, link by link: where success is lost.
+
+Every link is zero-shot success on the transfer's new task, over the same held-out starts:
+
+    own_arm   source prior, source decoder, on the source
+    identity  source prior, source decoder, on the target: the arms' difference alone
+    recoded   source prior, its decoded actions through the target's VAE: what that VAE can say
+    mapped    source prior, G, target decoder: what transfer learning starts from
+    oracle    the target's own prior of the new task, with the decoder of all its tasks
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from lfr.evaluation.policies import SkillFiles
+from lfr.evaluation.trials import Trial
+from lfr.mapping.artifacts import load_generator
+from lfr.scenarios import Transfer
+from lfr.skills.artifacts import load_prior, load_vae
+from lfr.skills.policy import SkillPolicy
+
+LINKS = ("own_arm", "identity", "recoded", "mapped", "oracle")
+
+
+@dataclass(frozen=True)
+class MappedFiles:
+    """The folders of a skill prior, of G that translates it, and of the skill VAE that acts."""
+
+    prior: str
+    generator: str
+    decoder: str
+
+    def load(self) -> SkillPolicy:
+        """Raises DataError where a folder holds no such model, or a damaged one."""
+        translate = load_generator(Path(self.generator))
+        return SkillPolicy(load_prior(Path(self.prior)), translate, load_vae(Path(self.decoder)))
+
+
+def chain_trials(
+    transfer: Transfer, skills: Path, mapping: Path, episodes: int
+) -> dict[str, Trial]:
+    """The links of a transfer's chain.
+
+    Args:
+        skills: folder of the transfer's skill models, by role.
+        mapping: folder of its G and F.
+    """
+    task = transfer.task
+    prior, vae = str(skills / "source" / f"prior-{task}"), str(skills / "source" / "vae")
+    target_vae, oracle = str(skills / "target" / "vae"), skills / "oracle"
+    own = SkillFiles(prior, vae)
+    links = {
+        "own_arm": (own, transfer.source),
+        "identity": (own, transfer.target),
+        "recoded": (SkillFiles(prior, target_vae, encoder=vae), transfer.target),
+        "mapped": (MappedFiles(prior, str(mapping / "g"), target_vae), transfer.target),
+        "oracle": (SkillFiles(str(oracle / f"prior-{task}"), str(oracle / "vae")), transfer.target),
+    }
+    return {name: Trial(policy, robot, task, episodes) for name, (policy, robot) in links.items()}

@@ -1,0 +1,93 @@
+"""Success rates of policies on held-out starts: shards of seeds are jobs, whatever the policy."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+from typing import Any, Literal, Protocol
+
+import numpy as np
+
+from lfr.errors import UnknownNameError
+from lfr.evaluation.rollouts import Judge, Outcome, Policy, roll_out
+from lfr.evaluation.statistics import success_of
+from lfr.jobs import run_jobs
+from lfr.seeds import episode_seed
+
+JudgeName = Literal["engine", "robosuite"]
+SHARD = 25  # episodes of a job: seconds of work, so that a kill costs little
+
+
+class PolicyFiles(Protocol):
+    """A frozen dataclass of the folders of a policy; it names the policy in a job."""
+
+    def load(self) -> Policy: ...
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A policy on one arm and task, over the held-out starts ``first`` to ``first + episodes``."""
+
+    policy: PolicyFiles
+    robot: str
+    task: str
+    episodes: int
+    judge: JudgeName = "engine"
+    first: int = 0
+
+
+def success_rates(
+    trials: Mapping[str, Trial], work: Path, description: str
+) -> dict[str, dict[str, Any]]:
+    """Each trial's successes, Wilson interval and mean length of a successful episode."""
+    shards = [(name, shard) for name, trial in trials.items() for shard in shards_of(trial)]
+    jobs = [shard for _, shard in shards]
+    done = run_jobs(run_trial, jobs, work=work, description=description, unit="shard")
+    rates = {}
+    for name in trials:
+        outcomes = [
+            Outcome(**outcome)
+            for (owner, _), result in zip(shards, done, strict=True)
+            if owner == name
+            for outcome in result
+        ]
+        rates[name] = summary(outcomes)
+    return rates
+
+
+def summary(outcomes: list[Outcome]) -> dict[str, Any]:
+    """Success with its Wilson interval, and control steps until success."""
+    lengths = [outcome.steps for outcome in outcomes if outcome.success]
+    success = success_of(len(lengths), len(outcomes))
+    return {**vars(success), "steps": float(np.mean(lengths)) if lengths else None}
+
+
+def shards_of(trial: Trial) -> list[Trial]:
+    """The trial in pieces of at most `SHARD` episodes."""
+    end = trial.first + trial.episodes
+    return [
+        replace(trial, first=first, episodes=min(SHARD, end - first))
+        for first in range(trial.first, end, SHARD)
+    ]
+
+
+def run_trial(trial: Trial) -> list[Outcome]:
+    """Run a trial's episodes one after the other, in this process."""
+    end = trial.first + trial.episodes
+    seeds = [episode_seed("held-out", index) for index in range(trial.first, end)]
+    return roll_out(trial.policy.load(), _judge(trial.judge, trial.robot, trial.task), seeds)
+
+
+@cache
+def _judge(name: JudgeName, robot: str, task: str) -> Judge:
+    if name == "engine":
+        from lfr.sim.simulation import simulation
+
+        return simulation(robot, task)
+    if name == "robosuite":
+        from lfr.sim.stock import StockSimulation
+
+        return StockSimulation(robot, task)
+    raise UnknownNameError("judge", name, ("engine", "robosuite"))

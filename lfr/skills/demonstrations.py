@@ -1,0 +1,118 @@
+"""The demonstrations that a model may see, as windows: the leak rule is held as they are read."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import torch
+from torch import Tensor
+
+from lfr.artifacts import file_hash
+from lfr.data.checks import check_dataset
+from lfr.data.episode import FPS, JOINT_POSITION, features
+from lfr.data.windows import WindowBatch, Windows, read_dataset
+from lfr.errors import DataError
+from lfr.scenarios import Role, Scenario, check_visible
+from lfr.sim.layout import ObservationLayout
+from lfr.tasks import task as task_named
+
+DATASETS = Path("data/lerobot")
+
+
+@dataclass(frozen=True)
+class Demonstrations:
+    """One robot's demonstrations of one task.
+
+    Windows lie within an episode, unpadded: a recording lingers beyond its success so that these
+    hold its last skill too.
+
+    Attributes:
+        dataset: name of the dataset, ``<robot>-<task>``.
+        digest: SHA-256 of the dataset's rows.
+        names: of the observation's dimensions.
+        training, held_out: windows of different episodes.
+        training_states, held_out_states: (N, D), every state of these episodes.
+    """
+
+    dataset: str
+    digest: str
+    names: tuple[str, ...]
+    training: WindowBatch
+    held_out: WindowBatch
+    training_states: Tensor
+    held_out_states: Tensor
+
+
+def read_visible(
+    scenario: Scenario,
+    robot: str,
+    role: Role,
+    tasks: Sequence[str],
+    *,
+    horizon: int,
+    held_out: float,
+    seed: int,
+    folder: Path = DATASETS,
+) -> dict[str, Demonstrations]:
+    """The robot's demonstrations of ``tasks``, for a model in this role.
+
+    Args:
+        horizon: H, actions of a window.
+        held_out: share of each dataset's episodes kept from training; which ones depends on
+            ``seed`` and the dataset's size alone, so they are the same for every model.
+
+    Raises:
+        LfrError: a task is hidden from this robot in this role; nothing has been read then.
+        DataError: a dataset is missing or not what training needs.
+    """
+    check_visible(scenario, robot, role, tasks)
+    return {
+        task: read_demonstrations(
+            folder / f"{robot}-{task}", robot, task, horizon=horizon, held_out=held_out, seed=seed
+        )
+        for task in tasks
+    }
+
+
+def read_demonstrations(
+    path: Path, robot: str, task: str, *, horizon: int, held_out: float, seed: int
+) -> Demonstrations:
+    """One dataset, whoever asks; `read_visible` holds the leak rule."""
+    layout = ObservationLayout.of(task_named(task))
+    expected = features(layout.state_names, layout.environment_names)
+    # Joint names differ by robot, and nothing here learns from them.
+    needed = {key: f for key, f in expected.items() if key != JOINT_POSITION}
+    check_dataset(path, features=needed, fps=FPS, robot=robot, task=task)
+    found = read_dataset(path)
+    training, kept = found.split(held_out, seed)
+    windows = [Windows(part, horizon, padded=False).all() for part in (training, kept)]
+    if not len(windows[0].actions):
+        raise DataError(
+            "no episode is as long as a skill", file=path,
+            found=f"{int(found.lengths.max())} frames", expected=f"{horizon} or more",
+        )  # fmt: skip
+    return Demonstrations(
+        dataset=path.name,
+        digest=file_hash(path / "data"),
+        names=found.observation_names,
+        training=windows[0],
+        held_out=windows[1],
+        training_states=training.observations,
+        held_out_states=kept.observations,
+    )
+
+
+def balanced(windows: Mapping[str, Tensor], seed: int) -> Tensor:
+    """Action windows (N_t, H, A) by task, as one (N, H, A) in which every task counts alike.
+
+    Windows of tasks with shorter episodes are drawn again until all have as many.
+    """
+    generator = torch.Generator().manual_seed(seed)
+    most = max(len(actions) for actions in windows.values())
+    parts = []
+    for actions in windows.values():
+        extra = torch.randint(len(actions), (most - len(actions),), generator=generator)
+        parts.append(torch.cat([actions, actions[extra]]))
+    return torch.cat(parts)

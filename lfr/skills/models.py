@@ -1,0 +1,176 @@
+"""The skill models that a transfer needs, trained as jobs: three VAEs, then their priors."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import torch
+
+from lfr.artifacts import fingerprint
+from lfr.jobs import run_jobs
+from lfr.scenarios import Role, Scenario, Transfer, visible_tasks
+from lfr.sim.layout import ACTION_NAMES
+from lfr.skills.artifacts import Seen, load_vae, save_prior, save_vae
+from lfr.skills.demonstrations import DATASETS, Demonstrations, balanced, read_visible
+from lfr.skills.gaussian import kl_divergence, kl_to_standard_normal
+from lfr.skills.params import SkillsParams
+from lfr.skills.training import train_prior, train_vae
+from lfr.skills.vae import SkillVAE, reconstruction_rmse
+
+
+@dataclass(frozen=True)
+class ModelJob:
+    """A skill VAE to train, or the prior of ``task`` for the VAE that lies in the same folder.
+
+    Attributes:
+        folder: of this transfer's models.
+        task: None for the VAE.
+        datasets: folder of the datasets.
+    """
+
+    scenario: Scenario
+    robot: str
+    role: Role
+    task: str | None
+    params: SkillsParams
+    seed: int
+    folder: str
+    datasets: str
+
+    @property
+    def vae(self) -> Path:
+        return Path(self.folder) / self.role / "vae"
+
+    @property
+    def prior(self) -> Path:
+        return Path(self.folder) / self.role / f"prior-{self.task}"
+
+
+def roles_of(transfer: Transfer) -> dict[Role, str]:
+    """The arm in each role of a transfer."""
+    return {"source": transfer.source, "target": transfer.target, "oracle": transfer.target}
+
+
+def prior_tasks(scenario: Scenario, robot: str, role: Role) -> tuple[str, ...]:
+    """The tasks that get a prior: all visible ones, but for the oracle only its new task.
+
+    Its priors of the common tasks would not be used: the mapping is learned without the oracle.
+    """
+    visible = visible_tasks(scenario, robot, role)
+    return visible[-1:] if role == "oracle" else visible
+
+
+def train_models(
+    scenario: Scenario,
+    transfer: Transfer,
+    params: SkillsParams,
+    seed: int,
+    work: Path,
+    datasets: Path = DATASETS,
+) -> dict[str, dict[str, Any]]:
+    """Train source, target and oracle into ``work/models/<role>/{vae,prior-<task>}``.
+
+    Returns:
+        By role: robot, tasks seen, and on held-out episodes the VAE's reconstruction error per
+        action dimension, the divergence of its posterior to N(0, I), and of the posterior to each
+        prior.
+    """
+
+    def job(role: Role, robot: str, task: str | None) -> ModelJob:
+        folder = str(work / "models")
+        return ModelJob(scenario, robot, role, task, params, seed, folder, str(datasets))
+
+    roles = roles_of(transfer)
+    vaes = [job(role, robot, None) for role, robot in roles.items()]
+    priors = [
+        job(role, robot, task)
+        for role, robot in roles.items()
+        for task in prior_tasks(scenario, robot, role)
+    ]
+    about = f"skills {transfer.name}"
+    vae_reports = run_jobs(fit_vae, vaes, work=work, description=f"{about}: VAEs", unit="VAE")
+    prior_reports = run_jobs(
+        fit_prior, priors, work=work, description=f"{about}: priors", unit="prior"
+    )
+    report = {
+        one.role: {"robot": one.robot, **found, "prior": {}}
+        for one, found in zip(vaes, vae_reports, strict=True)
+    }
+    for one, found in zip(priors, prior_reports, strict=True):
+        report[one.role]["prior"][one.task] = found
+    return report
+
+
+def fit_vae(job: ModelJob) -> dict[str, Any]:
+    """Train and save a role's skill VAE on everything that it may see; its held-out report."""
+    tasks = visible_tasks(job.scenario, job.robot, job.role)
+    demonstrations = _read(job, tasks)
+    seed = model_seed(job)
+    windows = {task: known.training.actions for task, known in demonstrations.items()}
+    vae = train_vae(balanced(windows, seed), job.params.vae, seed)
+    save_vae(job.vae, vae, _seen(job, demonstrations))
+    return {
+        "tasks": tasks,
+        "datasets": {known.dataset: known.digest for known in demonstrations.values()},
+        "held_out": {task: vae_report(vae, known) for task, known in demonstrations.items()},
+    }
+
+
+def fit_prior(job: ModelJob) -> dict[str, Any]:
+    """Train and save a role's skill prior of one task; its held-out report."""
+    assert job.task is not None
+    demonstrations = _read(job, (job.task,))
+    known = demonstrations[job.task]
+    vae = load_vae(job.vae)
+    seed = model_seed(job)
+    start, actions = known.training.observations, known.training.actions
+    prior = train_prior(vae, start, actions, known.names, job.params.prior, seed)
+    save_prior(job.prior, prior, _seen(job, demonstrations))
+    report = {}
+    for name, windows in (("training", known.training), ("held_out", known.held_out)):
+        with torch.no_grad():
+            posterior = vae.encode(windows.actions)
+            kl = kl_divergence(*posterior, *prior(windows.observations))
+        report[f"kl_{name}"] = _mean(kl)
+    return report
+
+
+def vae_report(vae: SkillVAE, known: Demonstrations) -> dict[str, Any]:
+    """Reconstruction error per action dimension and KL(q || N(0, I)), on held-out windows."""
+    actions = known.held_out.actions
+    rmse = reconstruction_rmse(vae, actions).tolist()
+    with torch.no_grad():
+        kl = kl_to_standard_normal(*vae.encode(actions))
+    return {"rmse": dict(zip(ACTION_NAMES, rmse, strict=True)), "kl": _mean(kl)}
+
+
+def model_seed(job: ModelJob) -> int:
+    """A seed of its own for each model.
+
+    Equal seeds would start two arms' VAEs from the same weights and hand the mapping an alignment
+    that nobody has earned.
+    """
+    name = (job.scenario.name, job.robot, job.role, job.task, job.seed)
+    return int(fingerprint(*name), 16) % 2**31
+
+
+def _read(job: ModelJob, tasks: tuple[str, ...]) -> Mapping[str, Demonstrations]:
+    return read_visible(
+        job.scenario, job.robot, job.role, tasks,
+        horizon=job.params.vae.horizon, held_out=job.params.held_out, seed=job.seed,
+        folder=Path(job.datasets),
+    )  # fmt: skip
+
+
+def _seen(job: ModelJob, demonstrations: Mapping[str, Demonstrations]) -> Seen:
+    digests = {known.dataset: known.digest for known in demonstrations.values()}
+    scenario, tasks = job.scenario.name, tuple(demonstrations)
+    return Seen(scenario, job.robot, job.role, tasks, digests, model_seed(job))
+
+
+def _mean(values: torch.Tensor) -> float | None:
+    """None where no held-out episode is long enough for a window."""
+    return float(values.mean()) if len(values) else None

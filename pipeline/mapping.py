@@ -1,0 +1,58 @@
+"""Stage mapping: G and F of one transfer, and the chain of zero-shot success around them."""
+
+import sys
+from pathlib import Path
+
+from lfr.evaluation.chain import chain_trials
+from lfr.evaluation.params import EvaluateParams
+from lfr.evaluation.trials import success_rates
+from lfr.mapping.models import train_models
+from lfr.mapping.training import MappingParams
+from lfr.params import read_section
+from lfr.program import run_stage
+from lfr.scenarios import scenario as scenario_named
+from lfr.scenarios import transfer as transfer_named
+from lfr.skills.demonstrations import DATASETS
+from lfr.skills.params import SkillsParams
+from pipeline._stage import SeedParams, models_into, unfinished_work, write_metrics
+
+CODE = (
+    "lfr.mapping", "lfr.skills", "lfr.data", "lfr.sim", "lfr.scenarios", "lfr.seeds",
+    "lfr.robots", "lfr.tasks", "lfr.evaluation.chain", "lfr.evaluation.policies",
+    "lfr.evaluation.rollouts", "lfr.evaluation.trials",
+)  # fmt: skip
+
+
+def main(transfer: str) -> None:
+    """Train a transfer's mapping into models/mapping/<transfer> and measure its chain."""
+    chosen = transfer_named(transfer)
+    scenario = scenario_named(chosen.scenario)
+    params = read_section(MappingParams, "mapping")
+    held_out = read_section(SkillsParams, "skills").held_out
+    episodes = read_section(EvaluateParams, "evaluate").episodes
+    seed = read_section(SeedParams, "seeds").models
+    skills = Path("models/skills") / transfer
+    datasets = [
+        DATASETS / f"{robot}-{task}"
+        for robot, tasks in (
+            (chosen.source, (*chosen.common, chosen.task)),
+            (chosen.target, chosen.common),
+        )
+        for task in tasks
+    ]
+    inputs = [path / part for path in datasets for part in ("meta", "data")]
+    work = unfinished_work(
+        "mapping", transfer, chosen, params, held_out, seed, skills, *inputs, code=CODE
+    )
+
+    report = train_models(scenario, chosen, params, held_out, seed, skills, work)
+    trials = chain_trials(chosen, skills, work / "models", episodes)
+    chain = success_rates(trials, work, f"chain {transfer}")
+    models_into(Path("models/mapping") / transfer, work / "models")
+    about = {"source": chosen.source, "target": chosen.target, "task": chosen.task}
+    write_metrics(Path("results/chain") / f"{transfer}.json", {**about, "links": chain})
+    write_metrics(Path("results/mapping") / f"{transfer}.json", report)
+
+
+if __name__ == "__main__":
+    sys.exit(run_stage(main))

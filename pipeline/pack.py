@@ -1,0 +1,39 @@
+"""Stage pack: the logs of one robot and task as a LeRobot v3.0 dataset."""
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+from lfr.data.checks import check_dataset
+from lfr.data.dataset import pack_dataset
+from lfr.data.log_reader import list_logs
+from lfr.params import read_section
+from lfr.program import run_stage
+from lfr.robots import robot as robot_named
+from lfr.tasks import task as task_named
+from pipeline._stage import write_metrics
+
+
+@dataclass(frozen=True)
+class PackParams:
+    """Parameters of the pack stage: section ``pack`` of params.yaml."""
+
+    video: bool = True  # where the logs have pictures
+    fps: int = 20
+
+
+def main(robot: str, task: str) -> None:
+    """Pack data/logs/<robot>-<task> into the dataset data/lerobot/<robot>-<task>."""
+    robot_named(robot), task_named(task)
+    params = read_section(PackParams, "pack")
+    name = f"{robot}-{task}"
+    out = Path("data/lerobot") / name
+    logs = list_logs(Path("data/logs") / name)
+    counts = pack_dataset(logs, out, video=params.video, fps=params.fps)
+    check_dataset(out, fps=params.fps, robot=robot, task=task)
+    size = sum(file.stat().st_size for file in out.rglob("*") if file.is_file())
+    write_metrics(Path("results/pack") / f"{name}.json", {**counts, "bytes": size})
+
+
+if __name__ == "__main__":
+    sys.exit(run_stage(main))

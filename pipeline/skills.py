@@ -1,0 +1,51 @@
+"""Stage skills: the skill VAEs and priors of one transfer's source, target and oracle."""
+
+import sys
+from pathlib import Path
+
+from lfr.evaluation.own_arm import own_arm_trials
+from lfr.evaluation.params import EvaluateParams
+from lfr.evaluation.trials import success_rates
+from lfr.params import read_section
+from lfr.program import run_stage
+from lfr.scenarios import scenario as scenario_named
+from lfr.scenarios import transfer as transfer_named
+from lfr.scenarios import visible_tasks
+from lfr.skills.demonstrations import DATASETS
+from lfr.skills.models import roles_of, train_models
+from lfr.skills.params import SkillsParams
+from pipeline._stage import SeedParams, models_into, unfinished_work, write_metrics
+
+CODE = (
+    "lfr.skills", "lfr.data", "lfr.sim", "lfr.scenarios", "lfr.seeds", "lfr.robots", "lfr.tasks",
+    "lfr.evaluation.own_arm", "lfr.evaluation.policies", "lfr.evaluation.rollouts",
+    "lfr.evaluation.trials",
+)  # fmt: skip
+
+
+def main(transfer: str) -> None:
+    """Train the skill models that a transfer needs into models/skills/<transfer>."""
+    chosen = transfer_named(transfer)
+    scenario = scenario_named(chosen.scenario)
+    params = read_section(SkillsParams, "skills")
+    episodes = read_section(EvaluateParams, "evaluate").episodes
+    seed = read_section(SeedParams, "seeds").models
+    datasets = {
+        DATASETS / f"{robot}-{task}"
+        for role, robot in roles_of(chosen).items()
+        for task in visible_tasks(scenario, robot, role)
+    }
+    inputs = [path / part for path in sorted(datasets) for part in ("meta", "data")]
+    work = unfinished_work("skills", transfer, scenario, params, seed, *inputs, code=CODE)
+
+    report = train_models(scenario, chosen, params, seed, work)
+    trials = own_arm_trials(scenario, chosen, work / "models", episodes)
+    for name, found in success_rates(trials, work, f"skills {transfer}: own arm").items():
+        role, task = name.split("/")
+        report[role]["prior"][task]["own_arm"] = found
+    models_into(Path("models/skills") / transfer, work / "models")
+    write_metrics(Path("results/skills") / f"{transfer}.json", report)
+
+
+if __name__ == "__main__":
+    sys.exit(run_stage(main))
