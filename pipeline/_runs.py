@@ -1,27 +1,72 @@
-"""Which runs of transfer learning params.yaml asks for, checked against what there is."""
+"""One run of transfer learning, as a job."""
 
 from __future__ import annotations
 
-from typing import Literal
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
-from lfr.errors import ParameterError, UnknownNameError
-from lfr.params import PARAMS, read_yaml
-from lfr.scenarios import transfers
-from lfr.transfer.methods import METHODS
+from lfr.mapping.artifacts import load_generator
+from lfr.scenarios import Transfer
+from lfr.seeds import episode_seed
+from lfr.sim.simulation import simulation
+from lfr.skills.artifacts import load_prior, load_vae
+from lfr.transfer.loop import SEEDS_PER_RUN
+from lfr.transfer.methods import Artifacts, method
+from lfr.transfer.model import save_policy
+from lfr.transfer.params import TransferParams
+from lfr.transfer.train import train
+from lfr.view.learning import LearningLog
+from lfr.view.policy import save_policy_episode
+from lfr.view.rollout import roll_out_policy
 
 
-def listed(kind: Literal["transfers", "methods"]) -> list[str]:
-    """The names under ``transfers`` or ``methods`` of params.yaml, each checked.
+@dataclass(frozen=True)
+class RunJob:
+    """One run of a method on a transfer.
 
-    Raises:
-        ParameterError: no such list.
-        UnknownNameError: a name on it is unknown.
+    Attributes:
+        folder: what the run leaves: the policies ``initial`` and ``policy``, ``learning.rrd`` and
+            ``episode-<env_steps>.rrd``; ``checkpoints`` while it learns.
+        skills, mapping: folders of the transfer's models.
     """
-    names = read_yaml(PARAMS).get(kind)
-    if not isinstance(names, list) or not names:
-        raise ParameterError(f"{PARAMS}: {kind}: found {names!r}, expected a list of names")
-    known = METHODS if kind == "methods" else transfers()
-    for name in names:
-        if name not in known:
-            raise UnknownNameError(kind.removesuffix("s"), name, known)
-    return names
+
+    transfer: Transfer
+    method: str
+    seed: int
+    params: TransferParams
+    folder: str
+    skills: str
+    mapping: str
+
+
+def learn(job: RunJob) -> dict[str, Any]:
+    """Run it, or go on where it was killed; counts and the curve, as `lfr.transfer.train` says."""
+    transfer, folder = job.transfer, Path(job.folder)
+    robot, task = transfer.target, transfer.task
+    skills = Path(job.skills)
+    artifacts = Artifacts(
+        source_prior=load_prior(skills / "source" / f"prior-{task}"),
+        generator=load_generator(Path(job.mapping) / "g"),
+        target_vae=load_vae(skills / "target" / "vae"),
+    )
+    start = method(job.method)(artifacts, job.params)
+    about = {"transfer": transfer.name, "method": job.method}
+    described = {"robot": robot, "task": task, "seed": job.seed, **about}
+    save_policy(folder / "initial", start.actor, described)
+
+    def sample(env_steps: int) -> None:
+        shown = simulation(robot, task)
+        seed = episode_seed("learning", job.seed * SEEDS_PER_RUN)
+        episode, trace = roll_out_policy(start.actor, shown, seed)
+        save_policy_episode(folder / f"episode-{env_steps:06d}.rrd", episode, trace)
+
+    title = f"{transfer.name} {job.method} seed {job.seed}"
+    log = LearningLog(folder / "learning.rrd", title, sample)
+    result = train(
+        start, robot, task, job.params, job.seed,
+        out=folder / "policy", work=folder / "checkpoints", about=about, observer=log,
+    )  # fmt: skip
+    log.catch_up(result["curve"])
+    log.close()
+    return result

@@ -24,7 +24,8 @@ class PackParams:
 
 def main(robot: str, task: str) -> None:
     """Pack data/logs/<robot>-<task> into the dataset data/lerobot/<robot>-<task>."""
-    robot_named(robot), task_named(task)
+    robot_named(robot)
+    task_named(task)
     params = read_section(PackParams, "pack")
     name = f"{robot}-{task}"
     out = Path("data/lerobot") / name

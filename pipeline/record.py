@@ -15,7 +15,8 @@ CODE = ("lfr.demos", "lfr.sim", "lfr.data", "lfr.robots", "lfr.tasks", "lfr.seed
 
 def main(robot: str, task: str) -> None:
     """Record demonstrations of a task by a robot into data/logs/<robot>-<task>."""
-    robot_named(robot), task_named(task)
+    robot_named(robot)
+    task_named(task)
     params = read_section(RecordParams, "record")
     name = f"{robot}-{task}"
     work = unfinished_work("record", name, params, code=CODE)

@@ -21,8 +21,6 @@ from lfr.scenarios import Transfer
 from lfr.skills.artifacts import load_prior, load_vae
 from lfr.skills.policy import SkillPolicy
 
-LINKS = ("own_arm", "identity", "recoded", "mapped", "oracle")
-
 
 @dataclass(frozen=True)
 class MappedFiles:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import torch
 
@@ -13,7 +14,7 @@ from lfr.jobs import run_jobs
 from lfr.mapping.artifacts import MappingSeen, save_generator
 from lfr.mapping.report import common_report, decoded_difference, new_task_report
 from lfr.mapping.training import CommonTask, MappingParams, train_mapping
-from lfr.scenarios import Scenario, Transfer
+from lfr.scenarios import Role, Scenario, Transfer
 from lfr.skills.artifacts import load_prior, load_vae
 from lfr.skills.demonstrations import DATASETS, Demonstrations, balanced, read_visible
 
@@ -62,27 +63,16 @@ def fit_mapping(job: MappingJob) -> dict[str, Any]:
     vaes = load_vae(skills / "source" / "vae"), load_vae(skills / "target" / "vae")
     source = _read(job, transfer.source, "source", (*transfer.common, transfer.task))
     target = _read(job, transfer.target, "target", transfer.common)
-    pairs = {
-        task: tuple(
-            load_prior(skills / role / f"prior-{task}", source[task].names)
-            for role in ("source", "target")
-        )
-        for task in transfer.common
-    }
-
-    def states(task: str, kind: str) -> torch.Tensor:
-        return torch.cat([getattr(known[task], kind) for known in (source, target)])
-
-    known = [CommonTask(*pairs[task], states(task, "training_states")) for task in pairs]
+    known = _common(job, source, target, "training_states")
     windows = {
-        f"{name}-{task}": demonstrations[task].training.actions
-        for name, demonstrations in (("source", source), ("target", target))
+        f"{role}-{task}": demonstrations[task].training.actions
+        for role, demonstrations in (("source", source), ("target", target))
         for task in transfer.common
     }
     seed = int(fingerprint(transfer.name, job.seed), 16) % 2**31
-    g, f = train_mapping(known, vaes, balanced(windows, seed), job.params, seed)
+    g, f = train_mapping(list(known.values()), vaes, balanced(windows, seed), job.params, seed)
 
-    learned = [demonstrations[task] for demonstrations in (source, target) for task in pairs]
+    learned = [arm[task] for arm in (source, target) for task in transfer.common]
     seen = MappingSeen(
         transfer.name, transfer.source, transfer.target, transfer.common,
         {one.dataset: one.digest for one in learned}, seed,
@@ -90,7 +80,7 @@ def fit_mapping(job: MappingJob) -> dict[str, Any]:
     save_generator(Path(job.folder) / "g", g, seen)
     save_generator(Path(job.folder) / "f", f, seen)
 
-    held_out = {task: CommonTask(*pairs[task], states(task, "held_out_states")) for task in pairs}
+    held_out = _common(job, source, target, "held_out_states")
     new = load_prior(skills / "source" / f"prior-{transfer.task}", source[transfer.task].names)
     new_states = source[transfer.task].held_out_states
     return {
@@ -112,8 +102,26 @@ def fit_mapping(job: MappingJob) -> dict[str, Any]:
     }
 
 
+def _common(
+    job: MappingJob,
+    source: Mapping[str, Demonstrations],
+    target: Mapping[str, Demonstrations],
+    kind: Literal["training_states", "held_out_states"],
+) -> dict[str, CommonTask]:
+    """Both arms' priors of each common task, with both arms' states of it."""
+    tasks = {}
+    for task in job.transfer.common:
+        folder, names = Path(job.skills), source[task].names
+        tasks[task] = CommonTask(
+            load_prior(folder / "source" / f"prior-{task}", names),
+            load_prior(folder / "target" / f"prior-{task}", names),
+            torch.cat([getattr(source[task], kind), getattr(target[task], kind)]),
+        )
+    return tasks
+
+
 def _read(
-    job: MappingJob, robot: str, role: Any, tasks: tuple[str, ...]
+    job: MappingJob, robot: str, role: Role, tasks: tuple[str, ...]
 ) -> dict[str, Demonstrations]:
     horizon = load_vae(Path(job.skills) / role / "vae").horizon
     return read_visible(

@@ -1,0 +1,106 @@
+"""The stages' metrics under ``results/``, gathered: one record per run, one chain per transfer."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from lfr.artifacts import read_json
+from lfr.errors import DataError
+
+RESULTS = Path("results")
+LINKS = ("own_arm", "identity", "recoded", "mapped", "oracle")  # `lfr.evaluation.chain`
+Record = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Run:
+    """What one transfer and method left under ``results/transfer`` and ``results/evaluate``."""
+
+    learned: dict[str, Any]
+    judged: dict[str, Any]
+
+
+def read_runs(
+    transfers: Sequence[str], methods: Sequence[str], results: Path = RESULTS
+) -> list[Run]:
+    """Every transfer by every method.
+
+    Raises:
+        DataError: a stage has left nothing there, or other seeds than the other one.
+    """
+    runs = []
+    for name in (f"{transfer}-{method}" for transfer in transfers for method in methods):
+        learned = read_json(results / "transfer" / f"{name}.json")
+        file = results / "evaluate" / f"{name}.json"
+        judged = read_json(file)
+        expected, found = ([run["seed"] for run in part["runs"]] for part in (learned, judged))
+        if found != expected:
+            raise DataError("other seeds than were trained", file=file, found=found,
+                            expected=expected)  # fmt: skip
+        runs.append(Run(learned, judged))
+    return runs
+
+
+def transfer_records(runs: Iterable[Run]) -> list[Record]:
+    """One record for each run: what it reached, by whose judgement, and what it came from.
+
+    ``zero_shot`` and ``success`` are rates by the first judge over ``episodes`` held-out starts;
+    ``zero_shot_interval`` and ``success_interval`` are their Wilson intervals of 95 %.
+    ``other_judges`` holds the rates of the final policy by any further judge.
+    """
+    records = []
+    for run in runs:
+        about, provenance = run.learned, run.learned["provenance"]
+        for learned, judged in zip(about["runs"], run.judged["runs"], strict=True):
+            judge = run.judged["judge"]
+            zero_shot, success = judged["zero_shot"], judged["success"][judge]
+            records.append(
+                {
+                    "transfer": about["transfer"],
+                    "method": about["method"],
+                    "reward": about["reward"],
+                    "seed": learned["seed"],
+                    "env_steps": learned["env_steps"],
+                    "zero_shot": zero_shot["rate"],
+                    "success": success["rate"],
+                    "episodes": success["episodes"],
+                    "judge": judge,
+                    "zero_shot_interval": [zero_shot["low"], zero_shot["high"]],
+                    "success_interval": [success["low"], success["high"]],
+                    "other_judges": {
+                        name: found["rate"]
+                        for name, found in judged["success"].items()
+                        if name != judge
+                    },
+                    "revisions": {
+                        "git": provenance["revision"],
+                        "modified": provenance["modified"],
+                        "datasets": about["datasets"],
+                    },
+                }
+            )
+    return records
+
+
+def chain_records(transfers: Sequence[str], results: Path = RESULTS) -> dict[str, Record]:
+    """Each transfer's chain: its arms and task, and zero-shot success link by link."""
+    records = {}
+    for transfer in transfers:
+        found = read_json(results / "chain" / f"{transfer}.json")
+        records[transfer] = {key: found[key] for key in ("source", "target", "task", "links")}
+    return records
+
+
+def stage_seconds(results: Path = RESULTS) -> dict[str, dict[str, float]]:
+    """Wall-clock of each stage's last run: stage -> key -> seconds."""
+    stages = ("record", "pack", "skills", "mapping", "transfer", "evaluate")
+    return {
+        stage: {
+            file.stem: read_json(file)["seconds"]
+            for file in sorted((results / stage).glob("*.json"))
+        }
+        for stage in stages
+    }

@@ -1,0 +1,72 @@
+"""The report in words: what was run, on what, and what came of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from lfr.artifacts import read_json
+from lfr.evaluation import tables
+from lfr.evaluation.records import RESULTS, Record, stage_seconds
+
+
+def report(
+    records: Sequence[Record],
+    chains: Mapping[str, Record],
+    provenance: Mapping[str, Any],
+    results: Path = RESULTS,
+) -> str:
+    """Markdown: success, the chain, the skills, the demonstrations, revisions and seconds."""
+    recorded = _all(results / "record")
+    skills = {name: one for name, one in _all(results / "skills").items() if name in chains}
+    datasets = {name: digest for one in records for name, digest in
+                one["revisions"]["datasets"].items()}  # fmt: skip
+    trained = sorted({str(record["revisions"]["git"]) for record in records})
+    modified = any(record["revisions"]["modified"] for record in records)
+    versions = ", ".join(f"{name} {found}" for name, found in provenance["packages"].items())
+    steps = sorted({record["env_steps"] for record in records})
+    judges = dict.fromkeys(record["judge"] for record in records)
+    return f"""# Results
+
+Success by robosuite's own check within the horizon, on held-out starts, percent with the Wilson
+interval of 95 %. Judge: {", ".join(judges)}. Zero-shot is before any learning on the target arm.
+
+{tables.transfer_table(records)}
+![Success against environment steps](learning.svg)
+
+## The chain
+
+Zero-shot success on the new task, link by link: the source's prior on its own arm; its actions as
+they are on the target; these through the target's skill VAE; the mapped prior with the target's
+decoder; and the target's own prior, had it been shown the task.
+
+{tables.chain_table(chains)}
+## Skill priors on their own arm
+
+Divergence of the posterior to the prior (nats) and reconstruction error of the position actions
+are of held-out episodes.
+
+{tables.skill_table(skills)}
+## Demonstrations
+
+{tables.demonstration_table(recorded)}
+## What was run on what
+
+- Trained at git revision {", ".join(trained)}{", with changes to it" if modified else ""}.
+- Python {provenance["python"]}, {provenance["platform"]}; {versions}.
+- Seeds of the runs: {", ".join(str(s) for s in sorted({r["seed"] for r in records}))}.
+- Environment steps of a run, warm-up counted: {", ".join(map(str, steps))}.
+
+Datasets, by the SHA-256 of their rows:
+
+{tables.markdown(["dataset", "rows"], [[n, d[:16]] for n, d in sorted(datasets.items())])}
+## Seconds
+
+Wall-clock of each stage's last run, summed over what it was run for.
+
+{tables.seconds_table(stage_seconds(results))}"""
+
+
+def _all(folder: Path) -> dict[str, Any]:
+    return {file.stem: read_json(file) for file in sorted(folder.glob("*.json"))}

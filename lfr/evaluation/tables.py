@@ -1,0 +1,99 @@
+"""The tables of the report, in Markdown."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from lfr.evaluation.records import LINKS, Record
+
+
+def markdown(header: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
+    """A Markdown table, its columns padded so that it reads as plain text too."""
+    cells = [[str(cell) for cell in row] for row in (header, *rows)]
+    widths = [max(len(row[i]) for row in cells) for i in range(len(header))]
+    lines = ["| " + " | ".join(c.ljust(w) for c, w in zip(row, widths, strict=True)) + " |"
+             for row in cells]  # fmt: skip
+    lines.insert(1, "|" + "|".join("-" * (width + 2) for width in widths) + "|")
+    return "\n".join(lines) + "\n"
+
+
+def percent(rate: float, interval: Sequence[float] | None = None) -> str:
+    """``92 (85-96)``: a rate in percent with its interval."""
+    if interval is None:
+        return f"{100 * rate:.0f}"
+    low, high = interval
+    return f"{100 * rate:.0f} ({100 * low:.0f}-{100 * high:.0f})"
+
+
+def transfer_table(records: Sequence[Record]) -> str:
+    """Success before and after learning, one row per run."""
+    judges = list(dict.fromkeys(name for record in records for name in record["other_judges"]))
+    header = ["transfer", "method", "reward", "seed", "zero-shot %", "after RL %",
+              *(f"after RL %, {judge}" for judge in judges), "environment steps"]  # fmt: skip
+    rows = [
+        [
+            record["transfer"],
+            record["method"],
+            record["reward"],
+            record["seed"],
+            percent(record["zero_shot"], record["zero_shot_interval"]),
+            percent(record["success"], record["success_interval"]),
+            *(percent(record["other_judges"][judge]) for judge in judges),
+            record["env_steps"],
+        ]
+        for record in records
+    ]
+    return markdown(header, rows)
+
+
+def chain_table(chains: Mapping[str, Record]) -> str:
+    """Zero-shot success link by link, one row per transfer."""
+    header = ["transfer", "from", "to", *(link.replace("_", " ") for link in LINKS)]
+    rows = []
+    for name, chain in chains.items():
+        links = [chain["links"][link] for link in LINKS]
+        rates = [percent(link["rate"], (link["low"], link["high"])) for link in links]
+        rows.append([name, chain["source"], chain["target"], *rates])
+    return markdown(header, rows)
+
+
+def demonstration_table(recorded: Mapping[str, Mapping[str, Any]]) -> str:
+    """What the expert did, one row per robot and task."""
+    header = ["robot-task", "episodes", "attempts", "expert %", "frames", "median length"]
+    rows = [
+        [
+            name,
+            one["episodes"],
+            one["attempts"],
+            percent(one["expert_success"]),
+            one["frames"],
+            f"{one['length']['median']:.0f}",
+        ]
+        for name, one in recorded.items()
+    ]
+    return markdown(header, rows)
+
+
+def skill_table(skills: Mapping[str, Mapping[str, Any]]) -> str:
+    """Every prior on its own arm and task, one row per prior."""
+    header = ["transfer", "role", "robot", "task", "own arm %", "KL held out", "position RMSE"]
+    rows = []
+    for transfer, roles in skills.items():
+        for role, model in ((r, m) for r, m in roles.items() if isinstance(m, dict)):
+            for task, prior in model["prior"].items():
+                own, rmse = prior["own_arm"], model["held_out"][task]["rmse"]
+                position = sum(rmse[axis] for axis in ("dx", "dy", "dz")) / 3
+                rate = percent(own["rate"], (own["low"], own["high"]))
+                kl = prior["kl_held_out"]
+                rows.append([transfer, role, model["robot"], task, rate,
+                             "-" if kl is None else f"{kl:.1f}", f"{position:.3f}"])  # fmt: skip
+    return markdown(header, rows)
+
+
+def seconds_table(seconds: Mapping[str, Mapping[str, float]]) -> str:
+    """Wall-clock of the stages, summed over their keys."""
+    totals = {stage: sum(keys.values()) for stage, keys in seconds.items()}
+    rows = [[stage, len(keys), f"{totals[stage]:.0f}"] for stage, keys in seconds.items()]
+    rows.append(["all", sum(map(len, seconds.values())), f"{sum(totals.values()):.0f}"])
+    return markdown(["stage", "runs", "seconds"], rows)

@@ -1,0 +1,52 @@
+"""Stage report: tables, figure and text from what the other stages left under results/."""
+
+import sys
+from pathlib import Path
+
+from lfr.artifacts import provenance, write_json, write_whole
+from lfr.errors import ParameterError
+from lfr.evaluation import figures, tables
+from lfr.evaluation.records import RESULTS, chain_records, read_runs, transfer_records
+from lfr.evaluation.report import report
+from lfr.params import PARAMS, read_yaml
+from lfr.program import run_stage
+from lfr.scenarios import transfer as transfer_named
+
+
+def main() -> None:
+    """Gather results/transfers.json, chain.json, table.md, learning.svg and report.md."""
+    transfers, methods = _listed("transfers"), _listed("methods")
+    for name in transfers:
+        transfer_named(name)
+    runs = read_runs(transfers, methods)
+    records, chains = transfer_records(runs), chain_records(transfers)
+    curves = {
+        (run.learned["transfer"], run.learned["method"]): figures.read_curves(_curves(run.learned))
+        for run in runs
+    }
+    warm_up = max(run.learned["warm_up"] for run in runs)
+    write_json(RESULTS / "transfers.json", records)
+    write_json(RESULTS / "chain.json", chains)
+    figures.learning_figure(RESULTS / "learning.svg", curves, records, warm_up)
+    _write(RESULTS / "table.md", tables.transfer_table(records))
+    _write(RESULTS / "report.md", report(records, chains, provenance()))
+
+
+def _listed(section: str) -> list[str]:
+    names = read_yaml(PARAMS).get(section)
+    if not isinstance(names, list) or not names:
+        raise ParameterError(f"{PARAMS}: {section}: found {names!r}, expected a list of names")
+    return names
+
+
+def _curves(learned: dict[str, str]) -> Path:
+    return RESULTS / "transfer" / f"{learned['transfer']}-{learned['method']}.csv"
+
+
+def _write(path: Path, text: str) -> None:
+    with write_whole(path) as partial:
+        partial.write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    sys.exit(run_stage(main))

@@ -1,0 +1,89 @@
+"""Stage transfer: one method brings a new task to the target by learning there (Algorithm 2)."""
+
+import csv
+import shutil
+import sys
+from pathlib import Path
+from typing import Any
+
+from lfr.artifacts import provenance, write_whole
+from lfr.jobs import run_jobs
+from lfr.params import read_section
+from lfr.program import run_stage
+from lfr.scenarios import transfer as transfer_named
+from lfr.skills.artifacts import load_seen
+from lfr.transfer.methods import method as method_named
+from lfr.transfer.params import TransferParams
+from pipeline._runs import RunJob, learn
+from pipeline._stage import SeedParams, unfinished_work, write_metrics
+
+CODE = (
+    "lfr.transfer", "lfr.mapping.generator", "lfr.skills.gaussian", "lfr.skills.prior",
+    "lfr.skills.vae", "lfr.sim", "lfr.seeds", "lfr.robots", "lfr.tasks",
+)  # fmt: skip
+
+
+def main(transfer: str, method: str) -> None:
+    """Train models/transfer/<transfer>-<method>/seed-<n>, one run for each of seeds.transfer."""
+    chosen = transfer_named(transfer)
+    method_named(method)
+    params = read_section(TransferParams, "transfer")
+    seeds = read_section(SeedParams, "seeds").transfer
+    name = f"{transfer}-{method}"
+    skills, mapping = Path("models/skills") / transfer, Path("models/mapping") / transfer
+    work = unfinished_work("transfer", name, chosen, params, skills, mapping, code=CODE)
+
+    folders = {seed: work / f"seed-{seed}" for seed in seeds}
+    jobs = [
+        RunJob(chosen, method, seed, params, str(folder), str(skills), str(mapping))
+        for seed, folder in folders.items()
+    ]
+    runs = run_jobs(learn, jobs, work=work, description=f"transfer {name}", unit="run")
+
+    results = Path("results/transfer")
+    with write_whole(Path("models/transfer") / name) as partial:
+        for seed, folder in folders.items():
+            _gather(folder, partial / f"seed-{seed}")
+    _write_curves(results / f"{name}.csv", runs)
+    seen = [load_seen(skills / role / "vae") for role in ("source", "target")]
+    about = {
+        "transfer": transfer,
+        "method": method,
+        "robot": chosen.target,
+        "task": chosen.task,
+        "reward": params.reward,
+        "warm_up": params.warm_up,
+        "runs": [_summary(run) for run in runs],
+        "datasets": seen[0].datasets | seen[1].datasets,
+        "provenance": provenance(),
+    }
+    write_metrics(results / f"{name}.json", about)
+    for folder in folders.values():  # the replay buffers: large, and of no more use
+        shutil.rmtree(folder / "checkpoints", ignore_errors=True)
+
+
+def _gather(folder: Path, final: Path) -> None:
+    """The final policy, beside it the one before any RL and the recordings to look at."""
+    shutil.copytree(folder / "policy", final)
+    shutil.copytree(folder / "initial", final / "initial")
+    for recording in sorted(folder.glob("*.rrd")):
+        shutil.copyfile(recording, final / recording.name)
+
+
+def _write_curves(path: Path, runs: list[dict[str, Any]]) -> None:
+    rows = [{"seed": run["seed"], **point} for run in runs for point in run["curve"]]
+    with write_whole(path) as partial, partial.open("w", newline="", encoding="utf-8") as stream:
+        writer = csv.DictWriter(stream, list(rows[0]), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+def _summary(run: dict[str, Any]) -> dict[str, Any]:
+    counts = {key: run[key] for key in ("seed", "env_steps", "updates", "episodes")}
+    first, last = (run["curve"][i]["success"] for i in (0, -1))
+    return {**counts, "learning_success_first": first, "learning_success_last": last,
+            "seconds": round(run["seconds"], 1)}  # fmt: skip
+
+
+if __name__ == "__main__":
+    sys.exit(run_stage(main))
