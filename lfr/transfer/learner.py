@@ -41,8 +41,9 @@ class Learner:
     ) -> None:
         self.params, self.generator = params, generator
         self.policy = policy
+        inputs = normalizer(torch.zeros(1, observation_dim)).shape[-1]  # may hold more than D
         self.critics = CriticEnsemble(
-            copy.deepcopy(normalizer), observation_dim, latent_dim, params.critics,
+            copy.deepcopy(normalizer), inputs, latent_dim, params.critics,
             params.critic_hidden, layer_norm=params.layer_norm,
         )  # fmt: skip
         self.target = copy.deepcopy(self.critics).requires_grad_(False)
