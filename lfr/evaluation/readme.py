@@ -4,38 +4,39 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from lfr.artifacts import read_json, write_whole
+from lfr.artifacts import write_whole
 from lfr.errors import DataError
+from lfr.evaluation.records import RESULTS, stage_seconds
 
 BEGIN, END = "<!-- results -->", "<!-- /results -->"
 NOT_YET = "*Nothing has been measured yet: `make repro` puts the figure and the table here.*"
-STAGES = ("record", "pack", "skills", "mapping", "transfer", "evaluate")
 
 
-def results_block(results: Path) -> str:
-    """The block that the README should show: `learning.svg`, `table.md`, seconds of each stage."""
+def results_block(results: Path = RESULTS) -> str:
+    """The block that the README should show: figure, table, and seconds of each stage."""
     table = results / "table.md"
     if not table.is_file():
         return NOT_YET
-    figure = results / "learning.svg"
-    picture = f"![Success while learning]({results.name}/{figure.name})" if figure.is_file() else ""
-    parts = (picture, table.read_text(encoding="utf-8").strip(), stage_seconds(results))
+    parts = [table.read_text(encoding="utf-8").strip()]
+    if (results / "learning.svg").is_file():
+        parts.insert(0, f"![Success against environment steps]({results.name}/learning.svg)")
+    if (results / "report.md").is_file():
+        parts.append(
+            "Percent of held-out episodes with the Wilson interval of 95 %. The whole report, with "
+            f"the chain and all revisions: [report.md]({results.name}/report.md)."
+        )
+    parts.append(_times(results))
     return "\n\n".join(part for part in parts if part)
 
 
-def stage_seconds(results: Path) -> str:
-    """One sentence: how long the runs of each stage took, by their own metrics; "" without any."""
-    times = []
-    for stage in STAGES:
-        metrics = [read_json(file) for file in sorted((results / stage).glob("*.json"))]
-        seconds = [one["seconds"] for one in metrics if "seconds" in one]
-        if seconds:
-            times.append((stage, len(seconds), sum(seconds)))
-    if not times:
+def _times(results: Path) -> str:
+    """One sentence: how long the stages took, by their own metrics; "" without any."""
+    seconds = {stage: keys.values() for stage, keys in stage_seconds(results).items() if keys}
+    if not seconds:
         return ""
-    each = ", ".join(f"{stage} {total:.0f} s ({runs}x)" for stage, runs, total in times)
-    minutes = sum(total for _, _, total in times) / 60
-    return f"That run's wall-clock by stage: {each}; {minutes:.0f} minutes together."
+    each = ", ".join(f"{name} {sum(runs):.0f} ({len(runs)})" for name, runs in seconds.items())
+    minutes = sum(sum(runs) for runs in seconds.values()) / 60
+    return f"Seconds of each stage (runs): {each}; {minutes:.0f} minutes together."
 
 
 def update_readme(readme: Path, block: str) -> None:

@@ -53,5 +53,5 @@ def test_block_is_made_of_what_results_hold(tmp_path: Path) -> None:
     block = results_block(results)
     assert "](results/learning.svg)" in block
     assert TABLE in block
-    assert "record 90 s (2x)" in block
-    assert "transfer 120 s (1x)" in block
+    assert "record 90 (2)" in block
+    assert "transfer 120 (1)" in block

@@ -1,0 +1,168 @@
+"""The documents against the code: what they link to, name and show must be there."""
+
+import functools
+import importlib
+import re
+from dataclasses import fields, is_dataclass
+from pathlib import Path
+from typing import Any, get_args, get_type_hints
+
+import pytest
+
+from lfr.data.episode import FEATURES, IMAGES
+from lfr.evaluation.readme import results_block, shown_block
+from lfr.evaluation.records import LINKS
+from lfr.scenarios import transfers
+from lfr.tasks import TASKS
+
+ROOT = Path(__file__).parent.parent
+DOCUMENTS = [
+    *(ROOT / name for name in ("README.md", "CHANGELOG.md", "CONTRIBUTING.md")),
+    *sorted((ROOT / "docs").glob("*.md")),
+]
+FENCE = re.compile(r"^( *)```.*?^\1```$", re.DOTALL | re.MULTILINE)
+LINK = re.compile(r"\]\(([^)\s]+)\)")
+NAME = re.compile(r"`((?:lfr|pipeline)\.[a-z]\w*(?:\.\w+)*)`")  # lfr.Action is a message's schema
+PARAMETER = re.compile(r"`((?:record|pack|skills|mapping|transfer|evaluate|seeds)(?:\.\w+)+)`")
+
+documents = pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)
+
+
+@functools.cache
+def anchors(document: Path) -> set[str]:
+    """GitHub's anchors of a document's headings."""
+    headings = re.findall(r"^#+ (.+)$", FENCE.sub("", document.read_text()), re.MULTILINE)
+    words = (re.sub(r"[^\w\- ]", "", heading.lower()) for heading in headings)
+    return {each.replace(" ", "-") for each in words}
+
+
+def lines_to_run(text: str) -> list[str]:
+    """Commands in indented blocks, without their remarks."""
+    lines = re.findall(r"^(?: {4}|\t)+(\S.*)$", FENCE.sub("", text), re.MULTILINE)
+    return [line.split("  #")[0].strip() for line in lines]
+
+
+@documents
+def test_relative_links_resolve(document: Path) -> None:
+    for link in LINK.findall(FENCE.sub("", document.read_text())):
+        if "://" in link:
+            continue
+        path, _, anchor = link.partition("#")
+        target = (document.parent / path).resolve() if path else document
+        assert target.exists(), link
+        assert not anchor or anchor in anchors(target), link
+
+
+@documents
+def test_every_name_of_the_code_is_there(document: Path) -> None:
+    for name in sorted(set(NAME.findall(document.read_text()))):
+        assert found(name), f"{document.name} speaks of {name}"
+
+
+def found(name: str) -> bool:
+    """Whether a dotted name is a module, or an attribute of one, fields of dataclasses included."""
+    parts = name.split(".")
+    for count in range(len(parts), 0, -1):
+        try:
+            value: Any = importlib.import_module(".".join(parts[:count]))
+        except ModuleNotFoundError as error:
+            if not ".".join(parts).startswith(str(error.name)):
+                raise
+            continue
+        for part in parts[count:]:
+            annotated = part in getattr(value, "__annotations__", {})
+            if not annotated and not hasattr(value, part):
+                return False
+            value = getattr(value, part, None)
+        return True
+    return False
+
+
+def test_a_name_that_is_not_there_is_noticed() -> None:
+    assert found("lfr.robots.Robot.excluded_contacts")
+    assert found("lfr.sim.scene")
+    assert not found("lfr.robots.Robot.colour")
+    assert not found("lfr.no_such_room.thing")
+
+
+@documents
+def test_every_parameter_is_one_of_its_stage(document: Path) -> None:
+    from lfr.demos.recorder import RecordParams
+    from lfr.evaluation.params import EvaluateParams
+    from lfr.mapping.training import MappingParams
+    from lfr.skills.params import SkillsParams
+    from lfr.transfer.params import TransferParams
+    from pipeline._stage import SeedParams
+    from pipeline.pack import PackParams
+
+    sections = {
+        "record": RecordParams, "pack": PackParams, "skills": SkillsParams,
+        "mapping": MappingParams, "transfer": TransferParams, "evaluate": EvaluateParams,
+        "seeds": SeedParams,
+    }  # fmt: skip
+    for name in PARAMETER.findall(document.read_text()):
+        section, *path = name.split(".")
+        owner: Any = sections[section]
+        for part in path:
+            assert part in {field.name for field in fields(owner)}, f"{document.name}: {name}"
+            hint = get_type_hints(owner)[part]
+            owner = next((each for each in (hint, *get_args(hint)) if is_dataclass(each)), hint)
+
+
+@documents
+def test_commands_name_what_there_is(document: Path) -> None:
+    text = document.read_text()
+    targets = set(re.findall(r"^([\w-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
+    assert set(re.findall(r"\bmake ([\w-]+)", "\n".join(re.findall(r"`.+?`", text)))) <= targets
+    for line in lines_to_run(text):
+        if line.startswith("make "):
+            assert line.split()[1] in targets
+    for module in re.findall(r"python -m (pipeline\.\w+)", text):
+        assert (ROOT / module.replace(".", "/")).with_suffix(".py").is_file()
+
+
+def test_view_commands_parse(monkeypatch: pytest.MonkeyPatch) -> None:
+    from lfr import cli
+    from lfr.view import command
+
+    seen = []
+    monkeypatch.setattr(command, "run", seen.append)
+    views = [
+        line for document in DOCUMENTS for line in lines_to_run(document.read_text())
+        if line.startswith("lfr view")
+    ]  # fmt: skip
+    for line in views:
+        assert cli.main(line.split()[1:]) == 0
+    assert len(seen) == len(views) > 3
+
+
+def test_readme_shows_what_the_results_hold() -> None:
+    assert shown_block(ROOT / "README.md") == results_block(ROOT / "results"), (
+        "run `python -m pipeline.report`"
+    )
+
+
+def test_readme_names_every_transfer() -> None:
+    text = (ROOT / "README.md").read_text()
+    assert [name for name in transfers(ROOT / "params.yaml") if f"`{name}`" not in text] == []
+
+
+def test_data_names_every_feature_topic_and_group() -> None:
+    from lfr.data import messages
+    from lfr.sim.layout import STATE_NAMES
+
+    text = (ROOT / "docs" / "data.md").read_text()
+    topics = [
+        value for name, value in vars(messages).items()
+        if name.isupper() and isinstance(value, str) and value.startswith("/")
+    ]  # fmt: skip
+    groups = {group for task in TASKS.values() for group, _ in task.environment}
+    state = {name.split(".")[0] for name in STATE_NAMES}
+    needed = {*(f.key for f in FEATURES), IMAGES, *topics, *groups, *state, *TASKS}
+    assert len(topics) > 5
+    assert sorted(name for name in needed if name not in text) == []
+
+
+def test_method_names_every_link_of_the_chain() -> None:
+    text = (ROOT / "docs" / "method.md").read_text()
+    assert [link for link in LINKS if f"`{link}`" not in text] == []
