@@ -6,15 +6,21 @@ from pathlib import Path
 from lfr.artifacts import provenance, write_json, write_whole
 from lfr.errors import ParameterError
 from lfr.evaluation import figures, tables
+from lfr.evaluation.readme import results_block, update_readme
 from lfr.evaluation.records import RESULTS, chain_records, read_runs, transfer_records
 from lfr.evaluation.report import report
 from lfr.params import PARAMS, read_yaml
 from lfr.program import run_stage
 from lfr.scenarios import transfer as transfer_named
 
+README = Path("README.md")
+
 
 def main() -> None:
-    """Gather results/transfers.json, chain.json, table.md, learning.svg and report.md."""
+    """Gather results/transfers.json, chain.json, the table, learning.svg and report.md.
+
+    The README, where there is one, shows the figure and the table.
+    """
     transfers, methods = _listed("transfers"), _listed("methods")
     for name in transfers:
         transfer_named(name)
@@ -28,8 +34,11 @@ def main() -> None:
     write_json(RESULTS / "transfers.json", records)
     write_json(RESULTS / "chain.json", chains)
     figures.learning_figure(RESULTS / "learning.svg", curves, records, warm_up)
+    write_json(RESULTS / "table.json", tables.summary(records))
     _write(RESULTS / "table.md", tables.transfer_table(records))
     _write(RESULTS / "report.md", report(records, chains, provenance()))
+    if README.is_file():  # it is no output of the stage, and need not be there
+        update_readme(README, results_block())
 
 
 def _listed(section: str) -> list[str]:
