@@ -34,7 +34,7 @@ def main() -> None:
     write_json(RESULTS / "transfers.json", records)
     write_json(RESULTS / "chain.json", chains)
     figures.learning_figure(RESULTS / "learning.svg", curves, records, warm_up)
-    write_json(RESULTS / "table.json", tables.summary(records))
+    write_json(RESULTS / "table.json", tables.summary(records, chains))
     _write(RESULTS / "table.md", tables.transfer_table(records))
     _write(RESULTS / "report.md", report(records, chains, provenance()))
     if README.is_file():  # it is no output of the stage, and need not be there

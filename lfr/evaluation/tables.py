@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from statistics import fmean
 from typing import Any
 
 from lfr.evaluation.records import LINKS, Record
@@ -24,6 +25,26 @@ def percent(rate: float, interval: Sequence[float] | None = None) -> str:
         return f"{100 * rate:.0f}"
     low, high = interval
     return f"{100 * rate:.0f} ({100 * low:.0f}-{100 * high:.0f})"
+
+
+def summary(records: Sequence[Record], chains: Mapping[str, Record]) -> dict[str, dict[str, float]]:
+    """``<transfer>-<method>`` -> success along the chain, before and after learning, mean of seeds.
+
+    This is what DVC shows as metrics; `lfr.evaluation.records.transfer_records` has every run.
+    """
+    groups: dict[str, list[Record]] = {}
+    for record in records:
+        groups.setdefault(f"{record['transfer']}-{record['method']}", []).append(record)
+    return {
+        name: {
+            **{link: chains[runs[0]["transfer"]]["links"][link]["rate"] for link in LINKS},
+            "zero_shot": fmean(record["zero_shot"] for record in runs),
+            "success": fmean(record["success"] for record in runs),
+            "env_steps": fmean(record["env_steps"] for record in runs),
+            "seeds": len(runs),
+        }
+        for name, runs in groups.items()
+    }
 
 
 def transfer_table(records: Sequence[Record]) -> str:

@@ -1,0 +1,41 @@
+"""A copy of the project's pipeline with tiny parameters, in a folder of its own."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parent.parent
+# DVC looks at the copy's sources; Python takes the project's own, whose kernel is compiled already.
+ENVIRONMENT = {
+    **os.environ,
+    "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
+    "PYTHONPATH": str(ROOT),
+    "PYTHONSAFEPATH": "1",
+    "PYTHONDONTWRITEBYTECODE": "",  # a process that compiles robosuite again takes seconds longer
+    "DVC_NO_ANALYTICS": "1",
+}
+
+
+def make(folder: Path, params: str | None = None) -> Path:
+    """A DVC project in ``folder`` with everything that its stages depend on."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for name in ("lfr", "pipeline"):
+        ignored = shutil.ignore_patterns("__pycache__")
+        shutil.copytree(ROOT / name, folder / name, ignore=ignored)
+    for name in ("dvc.yaml", ".dvcignore"):
+        shutil.copy(ROOT / name, folder / name)
+    tiny = (ROOT / "tests" / "tiny_params.yaml").read_text()
+    (folder / "params.yaml").write_text(tiny if params is None else params)
+    run(folder, "dvc", "init", "--no-scm", "--quiet")
+    return folder
+
+
+def run(folder: Path, *command: str, expect: int = 0) -> subprocess.CompletedProcess[str]:
+    """Run a command there; its output is in the message if it ends in another way."""
+    done = subprocess.run(command, cwd=folder, env=ENVIRONMENT, capture_output=True, text=True)
+    assert done.returncode == expect, f"{command}\n{done.stdout[-4000:]}\n{done.stderr[-6000:]}"
+    return done
