@@ -1,0 +1,1 @@
+"""Scripted demonstrations: the waypoint expert and the recorder."""

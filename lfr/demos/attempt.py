@@ -1,0 +1,100 @@
+"""One attempt of the expert at a task, from a drifted start to success and a little beyond."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lfr.demos.expert import Expert, ExpertParams
+
+if TYPE_CHECKING:
+    from lfr.sim.simulation import Simulation
+
+
+@dataclass(frozen=True)
+class DriftParams:
+    """Unrecorded motion before a demonstration, so that demonstrations start all over the place.
+
+    Stock resets vary an arm's start by about 1 cm. A prior trained there is lost where another
+    arm starts: Sawyer's hand rests 16 cm to the side of Panda's.
+    """
+
+    steps: int = 24  # at most; the number is drawn uniformly for each attempt
+    speed: float = 0.6  # bound on each component of the drift's direction, as an action
+    turn: float = 0.3  # bound on the drift's rotation about each axis, as an action
+
+
+@dataclass(frozen=True)
+class AttemptParams:
+    """How a demonstration is made."""
+
+    expert: ExpertParams = field(default_factory=ExpertParams)
+    drift: DriftParams = field(default_factory=DriftParams)
+    linger: int = 10  # steps recorded after the first success, so that its windows are whole
+
+
+@dataclass(frozen=True)
+class Moment:
+    """One control step: what was seen, what should be done, what came of it.
+
+    Attributes:
+        observation: (D,), before the action.
+        action: (7,), the expert's clean action, which a learner should imitate.
+        executed: (7,), the noisy action that the arm was given, which a replay needs.
+        reward: robosuite's dense reward after it.
+        success: robosuite's success check after it.
+        joint_position: (7,) rad, before the action.
+        simulator_state: (S,), before the action.
+    """
+
+    observation: np.ndarray
+    action: np.ndarray
+    executed: np.ndarray
+    reward: float
+    success: bool
+    joint_position: np.ndarray
+    simulator_state: np.ndarray
+
+
+def attempt(simulation: Simulation, params: AttemptParams, seed: int) -> Iterator[Moment]:
+    """Yield the moments of one attempt; the last ones show success if it was reached.
+
+    It ends ``linger`` steps after the first success, at the task's horizon, or when the physics
+    diverges. The same seed gives the same moments.
+    """
+    rng = np.random.default_rng([seed, 1])  # the placement has the seed's own stream
+    observation = simulation.reset(seed)
+    observation = _drift(simulation, observation, params.drift, rng)
+    expert = Expert(simulation.task.name, simulation.layout, params.expert)
+    remaining = simulation.horizon
+    while remaining > 0:
+        joints, state = simulation.joint_position(), simulation.state()
+        clean = expert.clean(observation)
+        executed = expert.execute(clean, rng)
+        steps = simulation.step(executed[None])
+        if steps.diverged:
+            return
+        success = bool(steps.successes[-1])
+        reward = float(steps.rewards[-1])
+        yield Moment(observation, clean, executed, reward, success, joints, state)
+        observation = steps.observations[-1]
+        remaining -= 1
+        if success:
+            remaining = min(remaining, params.linger)
+
+
+def _drift(
+    simulation: Simulation, observation: np.ndarray, drift: DriftParams, rng: np.random.Generator
+) -> np.ndarray:
+    """Let the open hand drift in one direction, seldom toward the table; the new observation."""
+    count = int(rng.integers(drift.steps + 1))
+    if count == 0:
+        return observation
+    move = drift.speed * rng.uniform(-1.0, 1.0, 3)
+    move[2] = drift.speed * rng.uniform(-0.4, 1.0)
+    turn = drift.turn * rng.uniform(-1.0, 1.0, 3)
+    action = np.concatenate([move, turn, [-1.0]])
+    return simulation.step(np.tile(action, (count, 1))).observations[-1]

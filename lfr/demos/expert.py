@@ -1,0 +1,77 @@
+"""The scripted expert: proportional control toward the task's waypoints, noisily executed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lfr.demos.waypoints import WAYPOINTS
+from lfr.sim.layout import ObservationLayout
+
+# The controller's action of 1 moves its goal by this much: OSC_POSE's output_max in robosuite.
+METRES_PER_ACTION = 0.05
+RADIANS_PER_ACTION = 0.5
+
+
+@dataclass(frozen=True)
+class ExpertParams:
+    """The demonstrator's manner.
+
+    A calm expert is easier to learn than a saturated one: with gain 2 the source's own success was
+    at most 0.7 in a trial where gain 1 gave up to 1.0.
+    """
+
+    gain: float = 4.0  # action per METRES_PER_ACTION of distance
+    turn_gain: float = 0.5  # action per RADIANS_PER_ACTION of angle
+    max_action: float = 1.0  # bound on each clean action component
+    noise: float = 0.1  # standard deviation of the executed action's noise
+    persistence: float = 0.8  # its correlation from one step to the next
+
+
+class Expert:
+    """Acts on one task from the observation alone.
+
+    ``clean`` is what a learner should do; ``execute`` is what the arm is given: the clean action
+    with Gaussian noise on the motion, as in DART (Laskey et al. 2017), so that demonstrations
+    visit the states around the path and show the way back. The noise persists over some steps: it
+    displaces the arm further than white noise would, and the clean labels stay smooth.
+    """
+
+    def __init__(self, task: str, layout: ObservationLayout, params: ExpertParams) -> None:
+        self.waypoint = WAYPOINTS[task]
+        self.params = params
+        groups = dict.fromkeys(name.split(".")[0] for name in layout.names)
+        self.disturbance = np.zeros(6)
+        self.slices = {group: layout.slice(group) for group in groups}
+
+    def clean(self, observation: np.ndarray) -> np.ndarray:
+        """The noiseless action (7,) in [-1, 1] for an observation (D,)."""
+
+        def view(quantity: str) -> np.ndarray:
+            return observation[self.slices[quantity]]
+
+        waypoint = self.waypoint(view)
+        bound = self.params.max_action
+        move = self.params.gain * waypoint.delta / METRES_PER_ACTION
+        largest = float(np.abs(move).max())
+        if largest > 0.0:  # saturate smoothly and keep the direction: clipping would bend the path
+            move = move * (bound * np.tanh(largest / bound) / largest)
+        turn = _upright(view("eef_rot6d")) + np.array([0.0, 0.0, waypoint.yaw])
+        turn = np.clip(self.params.turn_gain * turn / RADIANS_PER_ACTION, -bound, bound)
+        return np.concatenate([move, turn, [waypoint.gripper]])
+
+    def execute(self, clean: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+        """The action (7,) that the arm is given for a ``clean`` one."""
+        noisy = clean.copy()
+        rho = self.params.persistence
+        fresh = self.params.noise * np.sqrt(1.0 - rho**2) * rng.standard_normal(6)
+        self.disturbance = rho * self.disturbance + fresh
+        noisy[:6] += self.disturbance
+        return np.clip(noisy, -1.0, 1.0)
+
+
+def _upright(rot6d: np.ndarray) -> np.ndarray:
+    """The rotation vector (3,), base frame, that points the gripper's z axis straight down."""
+    approach = np.cross(rot6d[:3], rot6d[3:])
+    return np.cross(approach, np.array([0.0, 0.0, -1.0]))

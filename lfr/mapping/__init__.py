@@ -1,0 +1,1 @@
+"""The cycle generative mapping between two arms' latent skill spaces."""

@@ -1,0 +1,52 @@
+"""G: X -> Y and F: Y -> X, which translate one arm's skill distributions into the other's."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import torch
+from torch import Tensor, nn
+
+from lfr.skills.vae import LOG_SIGMA_RANGE
+
+
+class Generator(nn.Module):
+    """Maps ``(mu, log_sigma)`` (B, Z) of one latent space to those of another.
+
+    Three fully connected layers (part V.A) over k = [mu, log sigma]. Inputs and outputs are
+    standardised inside by the training distribution, which conditions the network only: the losses
+    of Eq. 5 and 6 compare k itself, so a latent dimension that carries little weighs little.
+    """
+
+    centre_in: Tensor
+    scale_in: Tensor
+    centre_out: Tensor
+    scale_out: Tensor
+
+    def __init__(self, latent_dim: int, hidden: int, layers: int) -> None:
+        super().__init__()
+        self.latent_dim, self.hidden, self.layers = latent_dim, hidden, layers
+        size = 2 * latent_dim
+        for name, value in (("centre", torch.zeros(size)), ("scale", torch.ones(size))):
+            self.register_buffer(f"{name}_in", value.clone())
+            self.register_buffer(f"{name}_out", value.clone())
+        widths = [size] + [hidden] * (layers - 1)
+        blocks: list[nn.Module] = []
+        for inputs, outputs in pairwise(widths):
+            blocks += [nn.Linear(inputs, outputs), nn.LeakyReLU(0.2)]
+        self.network = nn.Sequential(*blocks, nn.Linear(widths[-1], size))
+
+    def forward(self, mu: Tensor, log_sigma: Tensor) -> tuple[Tensor, Tensor]:
+        mu, log_sigma = self.translate(torch.cat([mu, log_sigma], dim=-1)).chunk(2, dim=-1)
+        return mu, log_sigma.clamp(*LOG_SIGMA_RANGE)
+
+    def translate(self, k: Tensor) -> Tensor:
+        """k of the other space for k = [mu, log sigma] (B, 2Z) of this one."""
+        return self.network((k - self.centre_in) / self.scale_in) * self.scale_out + self.centre_out
+
+    @torch.no_grad()
+    def fit_scales(self, k_in: Tensor, k_out: Tensor) -> None:
+        """Take the standardisation from distributions (N, 2Z) of both spaces."""
+        for name, k in (("in", k_in), ("out", k_out)):
+            getattr(self, f"centre_{name}").copy_(k.mean(0))
+            getattr(self, f"scale_{name}").copy_(k.std(0).clamp_min(0.05))

@@ -1,0 +1,35 @@
+"""Diagonal Gaussians over the latent space, as pairs ``(mu, log_sigma)`` of shape (..., Z)."""
+
+from __future__ import annotations
+
+import math
+
+import torch
+from torch import Tensor
+
+
+def kl_divergence(mu_p: Tensor, log_sigma_p: Tensor, mu_q: Tensor, log_sigma_q: Tensor) -> Tensor:
+    """KL(p || q) of diagonal Gaussians in closed form, summed over the latent dimensions, (...,).
+
+    Used for the second and third term of Eq. 3 and for the divergence of Eq. 8 and 9.
+    """
+    difference = (mu_p - mu_q) * torch.exp(-log_sigma_q)
+    ratio = torch.exp(2.0 * (log_sigma_p - log_sigma_q))
+    return 0.5 * (ratio + difference.square() - 1.0).sum(-1) + (log_sigma_q - log_sigma_p).sum(-1)
+
+
+def kl_to_standard_normal(mu: Tensor, log_sigma: Tensor) -> Tensor:
+    """KL(N(mu, sigma) || N(0, I)), summed over the latent dimensions, (...,)."""
+    return 0.5 * (torch.exp(2.0 * log_sigma) + mu.square() - 1.0).sum(-1) - log_sigma.sum(-1)
+
+
+def log_probability(z: Tensor, mu: Tensor, log_sigma: Tensor) -> Tensor:
+    """log N(z; mu, sigma), summed over the latent dimensions, (...,)."""
+    standardised = (z - mu) * torch.exp(-log_sigma)
+    return -(0.5 * standardised.square() + log_sigma + 0.5 * math.log(2.0 * math.pi)).sum(-1)
+
+
+def sample(mu: Tensor, log_sigma: Tensor, generator: torch.Generator | None = None) -> Tensor:
+    """A reparameterised sample z = mu + sigma * epsilon, of mu's shape."""
+    epsilon = torch.randn(mu.shape, generator=generator, dtype=mu.dtype, device=mu.device)
+    return mu + torch.exp(log_sigma) * epsilon

@@ -1,0 +1,46 @@
+"""Parameters of the skills stage: section ``skills`` of params.yaml."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from lfr.skills.symmetry import SymmetryParams
+
+
+@dataclass(frozen=True)
+class VAEParams:
+    """The skill VAE: sizes from the paper's part V.A and SPiRL, the rest measured."""
+
+    horizon: int = 10  # H, control steps of a skill
+    latent_dim: int = 10  # Z
+    hidden: int = 128  # LSTM units
+    alpha: float = 2e-4  # weight of the divergence in Eq. 3
+    steps: int = 3000
+    batch: int = 128
+    learning_rate: float = 3e-3
+    augment: float = 0.5  # share of each batch whose windows are turned, mirrored and scaled
+
+
+@dataclass(frozen=True)
+class PriorParams:
+    """The skill prior: six hidden layers of 128, one per robot and task.
+
+    beta of Eq. 3 does not appear: the posterior is frozen in L_task, so the prior's gradients do
+    not mix with the VAE's, and Adam is indifferent to the scale.
+    """
+
+    hidden: int = 128
+    layers: int = 6
+    steps: int = 3000
+    batch: int = 256
+    learning_rate: float = 1e-3
+    weight_decay: float = 1e-2
+    input_noise: float = 0.1  # of an input's normalised unit, against overfitting 50 episodes
+    symmetry: SymmetryParams = field(default_factory=SymmetryParams)
+
+
+@dataclass(frozen=True)
+class SkillsParams:
+    vae: VAEParams = field(default_factory=VAEParams)
+    prior: PriorParams = field(default_factory=PriorParams)
+    held_out: float = 0.1  # share of each dataset's episodes kept for the report

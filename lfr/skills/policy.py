@@ -1,0 +1,54 @@
+"""Acting by skills: a prior chooses, a translation brings it to another arm, a decoder does it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from lfr.skills.vae import SkillVAE
+
+Distribution = tuple[Tensor, Tensor]
+"""``(mu, log_sigma)``, (B, Z) each."""
+
+
+@dataclass(frozen=True)
+class SkillPolicy:
+    """Acts with the mean skill of a prior, through a translation between latent spaces.
+
+    Attributes:
+        prior: observations (B, D) to a distribution in the source's latent space.
+        translate: that distribution in the latent space of ``decoder``: G, or nothing at all.
+        decoder: the skill VAE whose decoder turns z into actions.
+    """
+
+    prior: Callable[[Tensor], Distribution]
+    translate: Callable[[Tensor, Tensor], Distribution]
+    decoder: SkillVAE
+
+    @torch.inference_mode()
+    def act(self, observation: np.ndarray) -> np.ndarray:
+        """The next skill's actions (H, 7) for one observation (D,)."""
+        seen = torch.as_tensor(observation, dtype=torch.float32)[None]
+        mu, _ = self.translate(*self.prior(seen))
+        return self.decoder.decode(mu)[0].double().numpy()
+
+
+def untranslated(mu: Tensor, log_sigma: Tensor) -> Distribution:
+    """The identity: for an arm's own prior and decoder."""
+    return mu, log_sigma
+
+
+def recoded(source: SkillVAE, target: SkillVAE) -> Callable[[Tensor, Tensor], Distribution]:
+    """Translate by the actions themselves: decode with the source's VAE, encode with the target's.
+
+    It needs a shared action space, and says how much of the new task the target's VAE can express.
+    """
+
+    def translate(mu: Tensor, log_sigma: Tensor) -> Distribution:
+        return target.encode(source.decode(mu))
+
+    return translate

@@ -1,0 +1,114 @@
+"""The skill prior p_a(z|s) of an arm and task: the skills its demonstrator uses in a state."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import torch
+from torch import Tensor, nn
+
+from lfr.skills.gaussian import kl_divergence
+from lfr.skills.vae import LOG_SIGMA_RANGE
+
+# An input that hardly varies in the demonstrations (an orientation, a gripper that is always open
+# at the start) must not be blown up to unit variance: the other arm will leave that narrow range.
+# Floors under the standard deviation, by the end of an input's name: metres, or no unit.
+STD_FLOORS = {
+    "rot6d": 0.2,
+    "up": 0.2,
+    "yaw": 0.3,
+    "command": 0.3,
+    "aperture": 0.01,
+}
+POSITION_STD_FLOOR = 0.05
+
+
+def std_floor(name: str) -> float:
+    """The floor under the standard deviation of the input called ``name``."""
+    quantity = name.split(".")[0]
+    for suffix, floor in STD_FLOORS.items():
+        if quantity.endswith(suffix):
+            return floor
+    return POSITION_STD_FLOOR
+
+
+# Distances to a goal vary over decimetres and decide at millimetres (the nut's hole leaves 6.75 mm
+# around the peg), so they enter twice: as they are, and magnified near zero.
+FINE_SCALE = 0.01
+
+
+def is_distance(name: str) -> bool:
+    """Whether an input is a component of a vector that is to be brought to zero."""
+    return "_to_" in name
+
+
+class Normalizer(nn.Module):
+    """What a prior sees of observations (B, D): (B, D + F), F of them distances.
+
+    (x - mean) / std with the demonstrations' statistics, std floored per input, then
+    tanh(x / FINE_SCALE) of each distance x (m).
+    """
+
+    mean: Tensor
+    std: Tensor
+    distances: Tensor
+
+    def __init__(self, names: Sequence[str]) -> None:
+        super().__init__()
+        self.register_buffer("mean", torch.zeros(len(names)))
+        self.register_buffer("std", torch.ones(len(names)))
+        places = [place for place, name in enumerate(names) if is_distance(name)]
+        self.register_buffer("distances", torch.tensor(places, dtype=torch.long), persistent=False)
+        self.size = len(names) + len(places)
+
+    @torch.no_grad()
+    def fit(self, observations: Tensor, names: Sequence[str]) -> None:
+        """Take mean and floored standard deviation from observations (N, D) named ``names``."""
+        floors = torch.tensor([std_floor(name) for name in names])
+        self.mean.copy_(observations.mean(0))
+        self.std.copy_(torch.maximum(observations.std(0), floors))
+
+    def forward(self, observations: Tensor) -> Tensor:
+        fine = torch.tanh(observations[:, self.distances] / FINE_SCALE)
+        return torch.cat([(observations - self.mean) / self.std, fine], dim=-1)
+
+    def noise_scale(self) -> Tensor:
+        """What counts as a unit of noise for each input, (D,): its std, or the fine scale."""
+        scale = self.std.clone()
+        scale[self.distances] = FINE_SCALE
+        return scale
+
+
+class SkillPrior(nn.Module):
+    """Maps observations (B, D), in the layout's units, to ``(mu, log_sigma)`` (B, Z) each.
+
+    An MLP of ``layers`` hidden layers (the paper's six, SPiRL's width 128) without batch
+    normalisation, which makes SPiRL's prior depend on what else is in the batch.
+    """
+
+    def __init__(
+        self, layout_names: Sequence[str], latent_dim: int, hidden: int, layers: int
+    ) -> None:
+        super().__init__()
+        self.layout_names = tuple(layout_names)
+        self.latent_dim, self.hidden, self.layers = latent_dim, hidden, layers
+        self.normalizer = Normalizer(self.layout_names)
+        widths = [self.normalizer.size] + [hidden] * layers
+        blocks: list[nn.Module] = []
+        for inputs, outputs in pairwise(widths):
+            blocks += [nn.Linear(inputs, outputs), nn.LeakyReLU(0.2)]
+        self.network = nn.Sequential(*blocks, nn.Linear(hidden, 2 * latent_dim))
+
+    def forward(self, observations: Tensor) -> tuple[Tensor, Tensor]:
+        mu, log_sigma = self.network(self.normalizer(observations)).chunk(2, dim=-1)
+        return mu, log_sigma.clamp(*LOG_SIGMA_RANGE)
+
+
+def task_loss(prior: SkillPrior, observations: Tensor, mu_z: Tensor, log_sigma_z: Tensor) -> Tensor:
+    """L_task of Eq. 3: KL([q(z|a)] || p_a(z|s)), the posterior frozen, mean over the batch.
+
+    Its gradient with respect to the prior is that of SPiRL's negative log-likelihood on z.
+    """
+    mu_p, log_sigma_p = prior(observations)
+    return kl_divergence(mu_z.detach(), log_sigma_z.detach(), mu_p, log_sigma_p).mean()
