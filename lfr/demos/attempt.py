@@ -89,12 +89,13 @@ def attempt(simulation: Simulation, params: AttemptParams, seed: int) -> Iterato
 def _drift(
     simulation: Simulation, observation: np.ndarray, drift: DriftParams, rng: np.random.Generator
 ) -> np.ndarray:
-    """Let the open hand drift in one direction, seldom toward the table; the new observation."""
+    """Let the hand drift in one direction, seldom toward the table; the new observation."""
     count = int(rng.integers(drift.steps + 1))
     if count == 0:
         return observation
     move = drift.speed * rng.uniform(-1.0, 1.0, 3)
     move[2] = drift.speed * rng.uniform(-0.4, 1.0)
     turn = drift.turn * rng.uniform(-1.0, 1.0, 3)
-    action = np.concatenate([move, turn, [-1.0]])
+    gripper = rng.choice([-1.0, 1.0])  # an empty hand that is closed must be opened again
+    action = np.concatenate([move, turn, [gripper]])
     return simulation.step(np.tile(action, (count, 1))).observations[-1]

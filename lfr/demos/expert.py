@@ -12,6 +12,7 @@ from lfr.sim.layout import ObservationLayout
 # The controller's action of 1 moves its goal by this much: OSC_POSE's output_max in robosuite.
 METRES_PER_ACTION = 0.05
 RADIANS_PER_ACTION = 0.5
+SLIP_STEPS = 8  # at 0.2 of the gripper's command a step, enough to lose or to miss an object
 
 
 @dataclass(frozen=True)
@@ -27,6 +28,7 @@ class ExpertParams:
     max_action: float = 1.0  # bound on each clean action component
     noise: float = 0.1  # standard deviation of the executed action's noise
     persistence: float = 0.8  # its correlation from one step to the next
+    slip: float = 0.005  # chance per step that the hand does the opposite for SLIP_STEPS steps
 
 
 class Expert:
@@ -35,7 +37,8 @@ class Expert:
     ``clean`` is what a learner should do; ``execute`` is what the arm is given: the clean action
     with Gaussian noise on the motion, as in DART (Laskey et al. 2017), so that demonstrations
     visit the states around the path and show the way back. The noise persists over some steps: it
-    displaces the arm further than white noise would, and the clean labels stay smooth.
+    displaces the arm further than white noise would, and the clean labels stay smooth. Now and
+    then the hand slips, so that a missed grasp and a lost object have been seen and mended.
     """
 
     def __init__(self, task: str, layout: ObservationLayout, params: ExpertParams) -> None:
@@ -43,6 +46,7 @@ class Expert:
         self.params = params
         groups = dict.fromkeys(name.split(".")[0] for name in layout.names)
         self.disturbance = np.zeros(6)
+        self.slipping = 0
         self.slices = {group: layout.slice(group) for group in groups}
 
     def clean(self, observation: np.ndarray) -> np.ndarray:
@@ -68,6 +72,11 @@ class Expert:
         fresh = self.params.noise * np.sqrt(1.0 - rho**2) * rng.standard_normal(6)
         self.disturbance = rho * self.disturbance + fresh
         noisy[:6] += self.disturbance
+        if self.slipping == 0 and rng.random() < self.params.slip:
+            self.slipping = SLIP_STEPS
+        if self.slipping:
+            self.slipping -= 1
+            noisy[6] = -noisy[6]
         return np.clip(noisy, -1.0, 1.0)
 
 

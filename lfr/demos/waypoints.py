@@ -128,7 +128,7 @@ def nut_assembly(view: View) -> Waypoint:
         to_goal[2] = max(to_goal[2], -0.012)
         return Waypoint(to_goal, align, CLOSE)
     askew = (abs(align) - 0.05) / 0.2  # never press a turned nut onto the peg
-    return Waypoint(carry(to_goal, 0.13, (0.005, 0.015), askew), align, CLOSE)
+    return Waypoint(carry(to_goal, 0.16, (0.005, 0.015), askew), align, CLOSE)
 
 
 def _reachable(align: float, handle: np.ndarray) -> float:
