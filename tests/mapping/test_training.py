@@ -1,0 +1,121 @@
+"""Algorithm 1 where the right mapping is known: two copies of one latent space, one rotated."""
+
+from __future__ import annotations
+
+import copy
+
+import pytest
+import torch
+from torch import nn
+
+from lfr.mapping.generator import Generator
+from lfr.mapping.report import common_report, decoded_difference, new_task_report
+from lfr.mapping.training import CommonTask, MappingParams, paired, train_mapping
+from lfr.sim.layout import ObservationLayout
+from lfr.skills.prior import SkillPrior
+from lfr.skills.symmetry import SymmetryParams
+from lfr.skills.vae import SkillVAE
+from lfr.tasks import task
+
+Z = 3
+NAMES = ObservationLayout.of(task("lift")).names
+PARAMS = MappingParams(
+    hidden=64, steps=600, batch=64, learning_rate=3e-3, symmetry=SymmetryParams(copies=0)
+)
+ROTATION = torch.linalg.qr(torch.randn(Z, Z, generator=torch.Generator().manual_seed(4)))[0]
+
+
+def states(count: int, seed: int) -> torch.Tensor:
+    return 0.3 * torch.randn(count, len(NAMES), generator=torch.Generator().manual_seed(seed))
+
+
+def prior(seed: int) -> SkillPrior:
+    torch.manual_seed(seed)
+    made = SkillPrior(NAMES, Z, hidden=16, layers=2)
+    made.normalizer.fit(states(200, 0), NAMES)
+    last = made.network[-1]
+    assert isinstance(last, nn.Linear)
+    with torch.no_grad():
+        last.weight[:Z] *= 6.0  # means that differ from state to state
+        last.weight[Z:] *= 0.1
+    return made.eval()
+
+
+def rotated(one: SkillPrior) -> SkillPrior:
+    """The same distributions in a latent space turned by ROTATION (the spreads are near 1)."""
+    other = copy.deepcopy(one)
+    last = other.network[-1]
+    assert isinstance(last, nn.Linear)
+    with torch.no_grad():
+        last.weight[:Z] = ROTATION @ last.weight[:Z]
+        last.bias[:Z] = ROTATION @ last.bias[:Z]
+    return other
+
+
+@pytest.fixture(scope="module")
+def learned() -> tuple[list[CommonTask], Generator, Generator]:
+    tasks = [CommonTask(one, rotated(one), states(400, 1)) for one in (prior(1), prior(2))]
+    vaes = SkillVAE(4, 7, Z, 8), SkillVAE(4, 7, Z, 8)
+    g, f = train_mapping(tasks, vaes, torch.zeros(1, 4, 7), PARAMS, seed=0)
+    return tasks, g, f
+
+
+def test_the_rotation_is_found(learned: tuple[list[CommonTask], Generator, Generator]) -> None:
+    tasks, g, f = learned
+    for one in tasks:
+        k_x, _ = paired(one, states(200, 9))  # states that nothing was trained on
+        mu, log_sigma = k_x.chunk(2, dim=-1)
+        there, _ = g(mu, log_sigma)
+        expected = mu @ ROTATION.T
+        assert (there - expected).norm(dim=-1).mean() < 0.15 * expected.norm(dim=-1).mean()
+        back, _ = f(*g(mu, log_sigma))
+        assert (back - mu).norm(dim=-1).mean() < 0.15 * mu.norm(dim=-1).mean()
+
+
+def test_the_report_tells_a_found_mapping_from_none(
+    learned: tuple[list[CommonTask], Generator, Generator],
+) -> None:
+    tasks, g, f = learned
+    held_out = CommonTask(tasks[0].prior_x, tasks[0].prior_y, states(100, 8))
+    found = common_report(held_out, g, f)
+    assert found["regression_g"] < 0.3 * found["spread_y"]
+    assert found["regression_f"] < 0.3 * found["spread_x"]
+    assert found["cycle_x"] < 0.3 * found["spread_x"]
+    k_x, k_y = paired(held_out, held_out.observations)
+    expected = (g.translate(k_x) - k_y).abs().sum(-1).mean()
+    assert found["regression_g"] == pytest.approx(float(expected), rel=1e-5)
+    new = new_task_report(tasks[0].prior_x, states(100, 8), g, f)
+    assert new["cycle_x"] == pytest.approx(found["cycle_x"], rel=1e-6)
+
+
+def test_decoders_of_one_space_agree_through_the_mapping(
+    learned: tuple[list[CommonTask], Generator, Generator],
+) -> None:
+    """A target whose decoder undoes the rotation first does what the source does."""
+
+    class Turned(SkillVAE):
+        def decode(self, z: torch.Tensor) -> torch.Tensor:
+            return super().decode(z @ ROTATION)
+
+    tasks, g, _ = learned
+    torch.manual_seed(3)
+    source, target = SkillVAE(4, 7, Z, 16), Turned(4, 7, Z, 16)
+    target.load_state_dict(source.state_dict())
+    mapped = decoded_difference(tasks[0].prior_x, states(100, 7), g, source, target)
+    class_blind = decoded_difference(tasks[0].prior_x, states(100, 7), g, source, source)
+    assert sum(mapped.values()) < 0.3 * sum(class_blind.values())
+    assert list(mapped) == ["dx", "dy", "dz", "drx", "dry", "drz", "gripper"]
+
+
+@pytest.mark.parametrize("posterior_share", [0.0, 0.5])
+def test_the_same_seed_gives_the_same_tensors(posterior_share: float) -> None:
+    params = MappingParams(hidden=8, steps=3, batch=8, posterior_share=posterior_share)
+    tasks = [CommonTask(prior(1), prior(2), states(20, 1))]
+    vaes = SkillVAE(4, 7, Z, 8), SkillVAE(4, 7, Z, 8)
+    actions = torch.rand(5, 4, 7) - 0.5
+    first, again = (train_mapping(tasks, vaes, actions, params, 1)[0] for _ in range(2))
+    other = train_mapping(tasks, vaes, actions, params, 2)[0]
+    assert torch.equal(first.translate(torch.ones(1, 2 * Z)), again.translate(torch.ones(1, 2 * Z)))
+    assert not torch.equal(
+        first.translate(torch.ones(1, 2 * Z)), other.translate(torch.ones(1, 2 * Z))
+    )

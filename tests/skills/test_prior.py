@@ -1,0 +1,124 @@
+"""The skill prior: normalisation with floors, L_task of Eq. 3, layout errors, learning."""
+
+from pathlib import Path
+
+import pytest
+import torch
+from torch.distributions import Independent, Normal, kl_divergence
+
+from lfr.errors import DataError
+from lfr.sim.layout import ObservationLayout
+from lfr.skills.artifacts import (
+    Seen,
+    load_prior,
+    load_seen,
+    load_vae,
+    save_prior,
+    save_vae,
+)
+from lfr.skills.params import PriorParams
+from lfr.skills.prior import POSITION_STD_FLOOR, STD_FLOORS, SkillPrior, std_floor, task_loss
+from lfr.skills.training import train_prior
+from lfr.skills.vae import SkillVAE
+from lfr.tasks import task
+
+NAMES = ObservationLayout.of(task("lift")).names
+SEEN = Seen("s1", "panda", "target", ("pick_place",), {"panda-pick_place": "ab"}, 7)
+
+
+def observations(count: int, seed: int = 0) -> torch.Tensor:
+    generator = torch.Generator().manual_seed(seed)
+    return 0.2 * torch.randn(count, len(NAMES), generator=generator)
+
+
+def prior() -> SkillPrior:
+    torch.manual_seed(0)
+    made = SkillPrior(NAMES, latent_dim=3, hidden=8, layers=2)
+    made.normalizer.fit(observations(50), NAMES)
+    return made
+
+
+def test_inputs_that_hardly_vary_are_not_blown_up() -> None:
+    made = SkillPrior(NAMES, 3, 8, 2)
+    seen = torch.ones(40, len(NAMES)) + 1e-4 * observations(40)
+    made.normalizer.fit(seen, NAMES)
+    std = dict(zip(NAMES, made.normalizer.std.tolist(), strict=True))
+    assert std["eef_pos.x"] == pytest.approx(POSITION_STD_FLOOR)
+    assert std["eef_rot6d.0"] == pytest.approx(STD_FLOORS["rot6d"])
+    assert std["cube_yaw.cos"] == pytest.approx(STD_FLOORS["yaw"])
+    assert std["gripper_command"] == pytest.approx(STD_FLOORS["command"])
+    assert std["gripper_aperture"] == pytest.approx(STD_FLOORS["aperture"])
+    assert std["cube_up.z"] == pytest.approx(STD_FLOORS["up"])
+
+
+def test_inputs_that_vary_are_standardised() -> None:
+    seen = 5.0 + 3.0 * observations(4000) / 0.2
+    made = SkillPrior(NAMES, 3, 8, 2)
+    made.normalizer.fit(seen, NAMES)
+    normal = made.normalizer(seen)[:, : len(NAMES)]
+    torch.testing.assert_close(normal.mean(0), torch.zeros(len(NAMES)), atol=1e-4, rtol=0)
+    torch.testing.assert_close(normal.std(0), torch.ones(len(NAMES)), atol=1e-3, rtol=0)
+
+
+def test_every_input_of_every_task_has_a_floor() -> None:
+    for name in ("lift", "stack", "pick_place", "nut_assembly"):
+        assert all(std_floor(n) > 0 for n in ObservationLayout.of(task(name)).names)
+
+
+def test_task_loss_is_the_divergence_of_the_posterior_to_the_prior() -> None:
+    made, seen = prior(), observations(6)
+    generator = torch.Generator().manual_seed(1)
+    mu, log_sigma = (torch.randn(6, 3, generator=generator) for _ in range(2))
+    mu.requires_grad_()
+    loss = task_loss(made, seen, mu, log_sigma)
+    mu_p, log_sigma_p = made(seen)
+    expected = kl_divergence(
+        Independent(Normal(mu, log_sigma.exp()), 1), Independent(Normal(mu_p, log_sigma_p.exp()), 1)
+    ).mean()
+    torch.testing.assert_close(loss, expected)
+    loss.backward()
+    assert mu.grad is None  # the posterior is frozen
+    assert made.network[0].weight.grad is not None
+
+
+def test_a_prior_learns_the_skill_of_a_state_and_a_seed_fixes_it() -> None:
+    torch.manual_seed(0)
+    vae = SkillVAE(4, 7, 3, 8)
+    seen = observations(64)
+    actions = torch.tanh(5 * seen[:, None, :7]).expand(-1, 4, -1).contiguous()
+    params = PriorParams(hidden=32, layers=2, steps=150, batch=32)
+    trained, again = (train_prior(vae, seen, actions, NAMES, params, seed=2) for _ in range(2))
+    untrained = train_prior(
+        vae, seen, actions, NAMES, PriorParams(hidden=32, layers=2, steps=0), seed=2
+    )
+    with torch.no_grad():
+        mu, log_sigma = vae.encode(actions)
+        losses = [float(task_loss(one, seen, mu, log_sigma)) for one in (trained, untrained)]
+    assert losses[0] < 0.3 * losses[1]
+    states = trained.state_dict(), again.state_dict()
+    assert all(torch.equal(states[0][name], states[1][name]) for name in states[0])
+
+
+def test_saved_models_come_back_identical(tmp_path: Path) -> None:
+    torch.manual_seed(0)
+    vae, made = SkillVAE(4, 7, 3, 8), prior()
+    save_vae(tmp_path / "vae", vae, SEEN)
+    save_prior(tmp_path / "prior", made, SEEN)
+    z, seen = torch.randn(5, 3), observations(5)
+    assert torch.equal(load_vae(tmp_path / "vae").decode(z), vae.decode(z))
+    found = load_prior(tmp_path / "prior", NAMES)
+    assert all(torch.equal(a, b) for a, b in zip(found(seen), made(seen), strict=True))
+    assert load_seen(tmp_path / "vae") == load_seen(tmp_path / "prior") == SEEN
+
+
+def test_a_prior_of_another_layout_is_refused(tmp_path: Path) -> None:
+    save_prior(tmp_path / "prior", prior(), SEEN)
+    other = ObservationLayout.of(task("stack")).names
+    with pytest.raises(DataError, match=r"prior/config\.json.*cube_pos\.x.*cubeA_pos\.x"):
+        load_prior(tmp_path / "prior", other)
+
+
+def test_another_kind_of_model_is_refused(tmp_path: Path) -> None:
+    save_prior(tmp_path / "prior", prior(), SEEN)
+    with pytest.raises(DataError, match=r"another kind of model.*skill_prior.*skill_vae"):
+        load_vae(tmp_path / "prior")

@@ -1,0 +1,72 @@
+"""The skill VAE: Eq. 2 and 3 by hand, shapes, determinism."""
+
+import pytest
+import torch
+
+from lfr.skills.params import VAEParams
+from lfr.skills.training import train_vae
+from lfr.skills.vae import LOG_SIGMA_RANGE, SkillVAE, reconstruction_rmse, vae_loss
+
+TINY = VAEParams(horizon=4, latent_dim=3, hidden=8, steps=20, batch=8)
+
+
+def windows(count: int, seed: int = 0) -> torch.Tensor:
+    generator = torch.Generator().manual_seed(seed)
+    return torch.rand(count, 4, 7, generator=generator) * 2 - 1
+
+
+def test_loss_is_mean_squared_error_plus_alpha_times_the_summed_divergence() -> None:
+    torch.manual_seed(0)
+    vae, actions, alpha = SkillVAE(4, 7, 3, 8), windows(6), 0.25
+    torch.manual_seed(1)
+    loss, info = vae_loss(vae, actions, alpha)
+
+    mu, log_sigma = vae.encode(actions)
+    torch.manual_seed(1)
+    z = mu + log_sigma.exp() * torch.randn(mu.shape)
+    error = 0.0
+    decoded = vae.reconstruct(z)
+    for b in range(6):
+        for t in range(4):
+            error += ((decoded[b, t] - actions[b, t]) ** 2).sum().item() / (6 * 4 * 7)
+    sigma = log_sigma.exp()
+    kl = (0.5 * (sigma**2 + mu**2 - 1) - sigma.log()).sum() / 6
+    assert float(loss) == pytest.approx(error + alpha * float(kl), rel=1e-5)
+    assert float(info["kl"]) == pytest.approx(float(kl), rel=1e-5)
+
+
+def test_shapes_and_ranges() -> None:
+    vae = SkillVAE(4, 7, 3, 8)
+    mu, log_sigma = vae.encode(100 * windows(5))
+    assert mu.shape == log_sigma.shape == (5, 3)
+    assert log_sigma.min() >= LOG_SIGMA_RANGE[0]
+    actions = vae.decode(100 * torch.ones(5, 3))
+    assert actions.shape == (5, 4, 7)
+    assert actions.abs().max() <= 1.0
+
+
+def test_reconstruction_error_is_per_action_dimension() -> None:
+    vae, actions = SkillVAE(4, 7, 3, 8), windows(5)
+    decoded = vae.decode(vae.encode(actions)[0])
+    by_hand = [float((decoded[..., i] - actions[..., i]).pow(2).mean().sqrt()) for i in range(7)]
+    assert reconstruction_rmse(vae, actions).tolist() == pytest.approx(by_hand)
+
+
+def test_training_brings_the_loss_down_and_a_seed_fixes_it() -> None:
+    """Windows of constant actions: one number per dimension, which three latents can tell."""
+    actions = windows(64)[:, :1].expand(-1, 4, -1).contiguous()
+    actions[..., 3:] = 0.0
+    params = VAEParams(4, 3, 32, alpha=1e-4, steps=300, batch=32, learning_rate=1e-2, augment=0.0)
+    trained = train_vae(actions, params, seed=5)
+    untrained = train_vae(actions, VAEParams(4, 3, 32, steps=0), seed=5)
+    before = reconstruction_rmse(untrained, actions)[:3].max()
+    assert reconstruction_rmse(trained, actions)[:3].max() < 0.4 * before
+
+
+@pytest.mark.parametrize("augment", [0.0, 0.5])
+def test_the_same_seed_gives_the_same_tensors(augment: float) -> None:
+    params = VAEParams(4, 3, 8, steps=10, batch=8, augment=augment)
+    first, second = (train_vae(windows(20), params, seed=3).state_dict() for _ in range(2))
+    other = train_vae(windows(20), params, seed=4).state_dict()
+    assert all(torch.equal(first[name], second[name]) for name in first)
+    assert not torch.equal(first["output.weight"], other["output.weight"])

@@ -1,0 +1,195 @@
+"""All seven stages end to end at a tiny size, through DVC; killed in the middle and resumed."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from lfr.artifacts import read_json
+from lfr.data.log import list_logs, read_log
+from lfr.evaluation.records import LINKS
+from lfr.mapping.artifacts import load_mapping_seen
+from lfr.params import read_yaml
+from lfr.skills.artifacts import load_seen
+from lfr.skills.demonstrations import read_demonstrations
+
+from . import tiny_project
+
+STAGES = ("record", "pack", "skills", "mapping", "transfer", "evaluate")
+TRANSFER, RUN = "s1-panda-lift", "s1-panda-lift-lfr"
+# What differs between two runs of the same thing.
+PASSING = ("seconds", "provenance", "revisions")
+
+
+@pytest.fixture(scope="module")
+def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The tiny project after `dvc repro`; do not write to it."""
+    folder = tiny_project.make(tmp_path_factory.mktemp("tiny"))
+    tiny_project.run(folder, "dvc", "repro")
+    return folder
+
+
+def test_every_stage_leaves_its_metrics_and_outs(project: Path) -> None:
+    for stage in STAGES:
+        files = sorted((project / "results" / stage).glob("*.json"))
+        assert files
+        assert all(read_json(file)["seconds"] > 0 for file in files)
+    datasets = {f"{robot}-{task}" for robot in ("panda", "sawyer")
+                for task in ("lift", "pick_place", "nut_assembly")}  # fmt: skip
+    assert {path.name for path in (project / "data/lerobot").iterdir()} == datasets
+    assert {path.name for path in (project / "data/logs").iterdir()} == datasets
+    for name in ("transfers.json", "chain.json", "table.json", "table.md", "report.md",
+                 "learning.svg"):  # fmt: skip
+        assert (project / "results" / name).stat().st_size > 0
+
+
+def test_the_record_of_the_run(project: Path) -> None:
+    (record,) = read_json(project / "results/transfers.json")
+    params = read_yaml(project / "params.yaml")
+    assert (record["transfer"], record["method"], record["seed"]) == (TRANSFER, "lfr", 0)
+    assert record["env_steps"] >= params["transfer"]["steps"]
+    assert record["episodes"] == params["evaluate"]["episodes"]
+    assert record["judge"] == "engine"
+    assert list(record["other_judges"]) == ["robosuite"]
+    assert record["reward"] == "sparse"
+    chain = read_json(project / "results/chain.json")[TRANSFER]
+    assert tuple(chain["links"]) == LINKS
+    assert all(link["episodes"] == 4 for link in chain["links"].values())
+
+
+def test_no_model_but_the_oracle_has_seen_the_targets_new_task(project: Path) -> None:
+    hidden = "panda-lift"
+    folders = [path.parent for path in (project / "models").rglob("config.json")]
+    skills = [folder for folder in folders if folder.parts[-4:-2] == ("skills", TRANSFER)]
+    seen = {f"{folder.parts[-2]}/{folder.name}": load_seen(folder) for folder in skills}
+    common = ("pick_place", "nut_assembly")
+    assert set(seen) == {
+        "source/vae", "source/prior-pick_place", "source/prior-nut_assembly", "source/prior-lift",
+        "target/vae", "target/prior-pick_place", "target/prior-nut_assembly",
+        "oracle/vae", "oracle/prior-lift",
+    }  # fmt: skip
+    assert seen["target/vae"].tasks == common
+    assert set(seen["source/vae"].tasks) == {*common, "lift"}
+    for name, one in seen.items():
+        assert (hidden in one.datasets) == name.startswith("oracle/")
+        assert set(one.datasets) == {f"{one.robot}-{task}" for task in one.tasks}
+    for name in ("g", "f"):
+        mapping = load_mapping_seen(project / "models/mapping" / TRANSFER / name)
+        assert mapping.tasks == common
+        assert hidden not in mapping.datasets
+    (record,) = read_json(project / "results/transfers.json")
+    assert hidden not in record["revisions"]["datasets"]
+
+
+def test_what_a_model_says_it_has_seen_is_what_is_there(project: Path) -> None:
+    seen = load_seen(project / "models/skills" / TRANSFER / "source/vae")
+    for task in seen.tasks:
+        path = project / "data/lerobot" / f"{seen.robot}-{task}"
+        found = read_demonstrations(
+            path, seen.robot, task, horizon=10, held_out=0.34, seed=0
+        )  # as trained
+        assert found.digest == seen.datasets[found.dataset]
+        assert len(found.training.actions) > len(found.held_out.actions) > 0
+        assert not found.training.is_pad.any()
+        # The last skill of a demonstration lies beyond its success, whole.
+        total = len(found.training_states) + len(found.held_out_states)
+        assert len(found.training.actions) + len(found.held_out.actions) == total - 3 * 9
+
+
+def test_a_run_can_be_looked_at(project: Path) -> None:
+    folder = project / "models/transfer" / RUN / "seed-0"
+    names = {path.name for path in folder.iterdir()}
+    assert {"config.json", "model.safetensors", "initial", "learning.rrd"} <= names
+    assert sum(name.startswith("episode-") for name in names) >= 2
+    header, *rows = (project / "results/transfer" / f"{RUN}.csv").read_text().splitlines()
+    assert header.startswith("seed,env_steps,")
+    assert rows[0].startswith("0,0,")
+    assert len(rows) >= 3
+
+
+def test_nothing_is_done_twice(project: Path) -> None:
+    before = {path: path.stat().st_mtime_ns for path in (project / "results").rglob("*.*")}
+    printed = tiny_project.run(project, "dvc", "repro").stdout
+    assert "Data and pipelines are up to date." in printed
+    assert "Running stage" not in printed
+    assert {path: path.stat().st_mtime_ns for path in (project / "results").rglob("*.*")} == before
+    shown = tiny_project.run(project, "dvc", "metrics", "show", "--json").stdout
+    assert RUN in json.dumps(json.loads(shown))
+
+
+@pytest.mark.slow
+def test_killed_at_several_moments_and_resumed(project: Path, tmp_path: Path) -> None:
+    """kill -9 while each stage works: the same results, and no finished job is run again."""
+    folder = tiny_project.make(tmp_path / "killed")
+    moments = [
+        "work/record/panda-lift/*/*.json",
+        "data/lerobot/.partial-sawyer-lift",
+        f"work/skills/{TRANSFER}/*/models/source/vae/config.json",
+        f"work/mapping/{TRANSFER}/*/*.json",
+        f"work/transfer/{RUN}/*/seed-0/checkpoints/*/config.json",
+        f"work/evaluate/{RUN}/*/*.json",
+    ]
+    finished: dict[Path, int] = {}
+    for moment in moments:
+        _kill_repro_when(folder, moment)
+        for path, written in finished.items():
+            assert path.stat().st_mtime_ns == written, f"{path} was made again"
+        finished |= {path: path.stat().st_mtime_ns for path in _finished(folder)}
+        for out in ("data/logs", "data/lerobot", "models/skills", "results"):
+            names = [path.name for path in (folder / out).rglob("*")]
+            assert not [name for name in names if name.endswith(".partial")]
+    tiny_project.run(folder, "dvc", "repro")
+    for path, written in finished.items():
+        assert path.stat().st_mtime_ns == written, f"{path} was made again"
+    _assert_same(project, folder)
+
+
+def _finished(folder: Path) -> Iterator[Path]:
+    """Results that `run_jobs` keeps: <16 digits>.json right under a fingerprint."""
+    yield from (p for p in (folder / "work").glob("*/*/*/*.json") if len(p.stem) == 16)
+
+
+def _kill_repro_when(folder: Path, pattern: str) -> None:
+    repro = subprocess.Popen(
+        ["dvc", "repro"], cwd=folder, env=tiny_project.ENVIRONMENT, start_new_session=True,
+        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+    )  # fmt: skip
+    deadline = time.monotonic() + 300
+    while not any(folder.glob(pattern)):
+        assert repro.poll() is None, f"dvc repro ended before {pattern} was there"
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+    os.killpg(repro.pid, signal.SIGKILL)
+    repro.wait()
+    time.sleep(2)  # what outlived it ends by itself
+
+
+def _assert_same(one: Path, other: Path) -> None:
+    for stage in STAGES:
+        for file in sorted((one / "results" / stage).glob("*.json")):
+            again = other / file.relative_to(one)
+            assert _lasting(read_json(again)) == _lasting(read_json(file)), file.name
+    for name in (f"results/transfer/{RUN}.csv", "results/chain.json", "results/table.md"):
+        assert (other / name).read_bytes() == (one / name).read_bytes()
+    for file in sorted((one / "models").rglob("model.safetensors")):
+        assert (other / file.relative_to(one)).read_bytes() == file.read_bytes()
+    for log in list_logs(one / "data/logs/panda-lift"):
+        first, second = read_log(log), read_log(other / log.relative_to(one))
+        assert np.array_equal(first.simulator_state, second.simulator_state)
+        for key, column in first.features.items():
+            assert np.array_equal(column, second.features[key])
+
+
+def _lasting(content: Any) -> Any:
+    if isinstance(content, dict):
+        return {key: _lasting(item) for key, item in content.items() if key not in PASSING}
+    return [_lasting(item) for item in content] if isinstance(content, list) else content
