@@ -27,12 +27,9 @@ def main(transfer: str, method: str) -> None:
     name = f"{transfer}-{method}"
     models = Path("models/transfer") / name
     policies = [models / f"seed-{seed}" for seed in seeds]
-    both = [folder for policy in policies for folder in (policy, policy / "initial")]
-    tensors = [folder / "model.safetensors" for folder in both]
-    work = unfinished_work("evaluate", name, chosen, params, *tensors, code=CODE)
 
     def trial(policy: Path, judge: int) -> Trial:
-        files = LearnedFiles(str(policy))
+        files = LearnedFiles.of(policy)
         return Trial(files, chosen.target, chosen.task, params.episodes, params.judges[judge])
 
     trials = {}
@@ -40,6 +37,8 @@ def main(transfer: str, method: str) -> None:
         trials[f"{seed}/zero_shot"] = trial(policy / "initial", 0)
         for number, judge in enumerate(params.judges):
             trials[f"{seed}/{judge}"] = trial(policy, number)
+    # A trial names its policy by content, so that another seed runs its own trials alone.
+    work = unfinished_work("evaluate", name, code=CODE)
     found = success_rates(trials, work, f"evaluate {name}")
     runs = [
         {
