@@ -19,7 +19,10 @@ def report(
 ) -> str:
     """Markdown: success, the chain, the skills, the demonstrations, revisions and seconds."""
     recorded = _all(results / "record")
-    skills = {name: one for name, one in _all(results / "skills").items() if name in chains}
+    skills, mappings = (
+        {name: one for name, one in _all(results / stage).items() if name in chains}
+        for stage in ("skills", "mapping")
+    )
     datasets = {name: digest for one in records for name, digest in
                 one["revisions"]["datasets"].items()}  # fmt: skip
     trained = sorted({str(record["revisions"]["git"]) for record in records})
@@ -48,6 +51,14 @@ Divergence of the posterior to the prior (nats) and reconstruction error of the 
 are of held-out episodes.
 
 {tables.skill_table(skills)}
+## Mapping
+
+Of held-out states, L1 over the 2Z numbers of a distribution (Eq. 5 and 6); "spread" is what a
+mapping that ignores its input would reach. On the new task the target has no prior, which leaves
+the cycle from the source. "Decoded" is the root-mean-square difference of the position actions
+between the source's decoder and, through G, the target's.
+
+{tables.mapping_table(mappings)}
 ## Demonstrations
 
 {tables.demonstration_table(recorded)}

@@ -112,6 +112,21 @@ def skill_table(skills: Mapping[str, Mapping[str, Any]]) -> str:
     return markdown(header, rows)
 
 
+def mapping_table(mappings: Mapping[str, Mapping[str, Any]]) -> str:
+    """Errors of G and F on held-out states, one row per transfer and task."""
+    columns = ("regression_g", "regression_f", "cycle_x", "cycle_y", "spread_x", "spread_y")
+    header = ["transfer", "task", *(column.replace("_", " ") for column in columns), "decoded"]
+    rows = []
+    for transfer, found in mappings.items():
+        for kind in ("common", "new"):
+            for task, one in found[kind].items():
+                numbers = [f"{one[name]:.2f}" if name in one else "-" for name in columns]
+                apart = fmean(one["decoded_difference"][axis] for axis in ("dx", "dy", "dz"))
+                name = f"{task} (new)" if kind == "new" else task
+                rows.append([transfer, name, *numbers, f"{apart:.3f}"])
+    return markdown(header, rows)
+
+
 def seconds_table(seconds: Mapping[str, Mapping[str, float]]) -> str:
     """Wall-clock of the stages, summed over their keys."""
     totals = {stage: sum(keys.values()) for stage, keys in seconds.items()}
