@@ -5,7 +5,7 @@ import functools
 import importlib
 import os
 import sys
-from typing import Any, NamedTuple
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -22,20 +22,6 @@ _VISUAL_GROUP = 1
 
 _SKIPPED = ("mjRND_SHADOW", "mjRND_REFLECTION", "mjRND_SKYBOX", "mjRND_HAZE")
 """Effects that cost two thirds of the time on a software renderer and show nothing of the task."""
-
-
-class Projection(NamedTuple):
-    """A pinhole camera.
-
-    Attributes:
-        intrinsics: (3, 3), pixels.
-        position: (3,) m, in the world.
-        quaternion: (4,) wxyz, of the optical frame in the world: x right, y down, z forward.
-    """
-
-    intrinsics: NDArray[np.float64]
-    position: NDArray[np.float64]
-    quaternion: NDArray[np.float64]
 
 
 class Camera:
@@ -97,20 +83,6 @@ class Camera:
         mujoco.mjr_render(frame, self._drawing, self._context)
         mujoco.mjr_readPixels(picture, None, frame, self._context)
         return picture[::-1]
-
-    def projection(self) -> Projection:
-        """How points in the world fall on its pictures, as computer vision has it."""
-        model, data, camera = self._model, self._data, self._view.fixedcamid
-        mujoco.mj_kinematics(model, data)
-        mujoco.mj_camlight(model, data)
-        focal = 0.5 * self.height / np.tan(0.5 * np.radians(model.cam_fovy[camera]))
-        centre = [0.5 * self.width, 0.5 * self.height]
-        intrinsics = np.array([[focal, 0.0, centre[0]], [0.0, focal, centre[1]], [0.0, 0.0, 1.0]])
-        # MuJoCo's camera looks along its -z axis, with y up.
-        axes = data.cam_xmat[camera].reshape(3, 3) * [1.0, -1.0, -1.0]
-        quaternion = np.empty(4)
-        mujoco.mju_mat2Quat(quaternion, np.ascontiguousarray(axes).ravel())
-        return Projection(intrinsics, data.cam_xpos[camera].copy(), quaternion)
 
     def close(self) -> None:
         """Give back the OpenGL context; it lives until the process ends otherwise."""
