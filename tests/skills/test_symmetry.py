@@ -1,0 +1,123 @@
+"""A moved scene, held to the expert, which knows nothing of it, and to its own sums."""
+
+import math
+
+import numpy as np
+import pytest
+import torch
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from lfr.demos.expert import Expert, ExpertParams
+from lfr.errors import LfrError
+from lfr.sim.layout import ObservationLayout
+from lfr.skills.symmetry import (
+    SceneMotion,
+    SymmetryParams,
+    move_actions,
+    move_observations,
+    moved_copies,
+)
+from lfr.tasks import TASKS
+
+angles = st.floats(-math.pi, math.pi)
+mirrors = st.sampled_from([-1.0, 1.0])
+shifts = st.tuples(st.floats(-0.2, 0.2), st.floats(-0.2, 0.2))
+rotations = st.tuples(*[st.floats(-0.3, 0.3)] * 2, st.floats(-math.pi, math.pi))
+
+
+def motion(angle: float, mirror: float, shift: tuple[float, float]) -> SceneMotion:
+    return SceneMotion(
+        torch.tensor([angle], dtype=torch.float64),
+        torch.tensor([mirror], dtype=torch.float64),
+        torch.tensor([[*shift, 0.0]], dtype=torch.float64),
+    )
+
+
+def lift_observation(rotation: tuple[float, float, float], to_cube: np.ndarray) -> torch.Tensor:
+    """Lift, the hand near straight down and turned, the cube beside it and turned."""
+    layout = ObservationLayout.of(TASKS["lift"])
+    x, y, z = rotation
+    spin = np.array([[math.cos(z), -math.sin(z), 0], [math.sin(z), math.cos(z), 0], [0, 0, 1]])
+    roll = np.array([[1, 0, 0], [0, math.cos(x), -math.sin(x)], [0, math.sin(x), math.cos(x)]])
+    pitch = np.array([[math.cos(y), 0, math.sin(y)], [0, 1, 0], [-math.sin(y), 0, math.cos(y)]])
+    hand = spin @ pitch @ roll @ np.diag([1.0, -1.0, -1.0])
+    observation = np.zeros(layout.size)
+    values = {
+        "eef_pos": np.array([0.5, 0.1, 0.1]),
+        "eef_rot6d": np.concatenate([hand[:, 0], hand[:, 1]]),
+        "gripper_aperture": [0.05],
+        "gripper_command": [-1.0],
+        "cube_pos": np.array([0.5, 0.1, 0.1]) + to_cube,
+        "cube_up": [0.0, 0.0, 1.0],
+        "cube_to_eef": to_cube,
+        "cube_yaw": [math.cos(0.4), math.sin(0.4)],
+    }
+    for group, value in values.items():
+        observation[layout.slice(group)] = value
+    return torch.tensor(observation)[None]
+
+
+@settings(max_examples=50, deadline=None)
+@given(angle=angles, mirror=mirrors, shift=shifts, rotation=rotations)
+def test_the_expert_in_a_moved_scene_does_the_moved_action(
+    angle: float, mirror: float, shift: tuple[float, float], rotation: tuple[float, float, float]
+) -> None:
+    layout = ObservationLayout.of(TASKS["lift"])
+    # So weak that no component saturates: the bound is on components, not on the length.
+    expert = Expert("lift", layout, ExpertParams(gain=1e-3, turn_gain=0.05))
+    seen = lift_observation(rotation, np.array([0.05, -0.02, -0.1]))
+    action = torch.tensor(expert.clean(seen[0].numpy()))
+    moved = motion(angle, mirror, shift)
+    there = expert.clean(move_observations(seen, layout.names, moved)[0].numpy())
+    expected = move_actions(action[None, None], moved)[0, 0].numpy()
+    np.testing.assert_allclose(there, expected, atol=1e-6)
+
+
+@settings(max_examples=30, deadline=None)
+@given(angle=angles, mirror=mirrors, shift=shifts, rotation=rotations)
+def test_a_moved_observation_is_still_one(
+    angle: float, mirror: float, shift: tuple[float, float], rotation: tuple[float, float, float]
+) -> None:
+    layout = ObservationLayout.of(TASKS["lift"])
+    seen = lift_observation(rotation, np.array([0.05, -0.02, -0.1]))
+    moved = move_observations(seen, layout.names, motion(angle, mirror, shift))[0].numpy()
+
+    def part(group: str) -> np.ndarray:
+        return moved[layout.slice(group)]
+
+    np.testing.assert_allclose(part("cube_pos") - part("eef_pos"), part("cube_to_eef"), atol=1e-12)
+    x, y = part("eef_rot6d")[:3], part("eef_rot6d")[3:]
+    np.testing.assert_allclose([x @ x, y @ y, x @ y], [1.0, 1.0, 0.0], atol=1e-12)
+    approach = seen[0].numpy()[layout.slice("eef_rot6d")]
+    before = np.cross(approach[:3], approach[3:])
+    assert np.cross(x, y)[2] == pytest.approx(before[2])  # the hand still points down
+
+
+@pytest.mark.parametrize("task", TASKS)
+def test_every_task_can_be_moved(task: str) -> None:
+    names = ObservationLayout.of(TASKS[task]).names
+    observations, actions = torch.randn(5, len(names)), torch.rand(5, 10, 7) - 0.5
+    generator = torch.Generator().manual_seed(0)
+    params = SymmetryParams(copies=2)
+    seen, done = moved_copies(observations, actions, names, params, generator)
+    assert seen.shape == (15, len(names))
+    assert done.shape == (15, 10, 7)
+    torch.testing.assert_close(seen[:5], observations)
+    lengths = done[..., :3].norm(dim=-1)
+    torch.testing.assert_close(lengths[5:10], lengths[:5])  # turned, not scaled
+    assert not torch.allclose(seen[5:10], observations)
+
+
+def test_no_copies_are_the_demonstrations_themselves() -> None:
+    names = ObservationLayout.of(TASKS["stack"]).names
+    observations, actions = torch.randn(4, len(names)), torch.randn(4, 10, 7)
+    params = SymmetryParams(copies=0)
+    seen, done = moved_copies(observations, actions, names, params, torch.Generator())
+    assert seen is observations
+    assert done is actions
+
+
+def test_an_unknown_quantity_is_refused() -> None:
+    with pytest.raises(LfrError, match="wrist_torque"):
+        move_observations(torch.zeros(1, 1), ["wrist_torque.x"], motion(0.1, 1.0, (0.0, 0.0)))
