@@ -1,4 +1,4 @@
-"""All seven stages end to end at a tiny size, through DVC; killed in the middle and resumed."""
+"""All seven stages end to end at a tiny size; through DVC; killed in the middle and resumed."""
 
 from __future__ import annotations
 
@@ -32,10 +32,8 @@ PASSING = ("seconds", "provenance", "revisions")
 
 @pytest.fixture(scope="module")
 def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The tiny project after `dvc repro`; do not write to it."""
-    folder = tiny_project.make(tmp_path_factory.mktemp("tiny"))
-    tiny_project.run(folder, "dvc", "repro")
-    return folder
+    """The tiny project after all its stages, run in this process; do not write to it."""
+    return tiny_project.run_stages(tmp_path_factory.mktemp("tiny"))
 
 
 def test_every_stage_leaves_its_metrics_and_outs(project: Path) -> None:
@@ -116,13 +114,18 @@ def test_a_run_can_be_looked_at(project: Path) -> None:
     assert len(rows) >= 3
 
 
-def test_nothing_is_done_twice(project: Path) -> None:
-    before = {path: path.stat().st_mtime_ns for path in (project / "results").rglob("*.*")}
-    printed = tiny_project.run(project, "dvc", "repro").stdout
+@pytest.mark.slow
+def test_dvc_runs_the_same_and_nothing_twice(project: Path, tmp_path: Path) -> None:
+    """Jobs in a pool of processes, stages in an order of DVC's: the same results, bit for bit."""
+    folder = tiny_project.make(tmp_path / "repro")
+    tiny_project.run(folder, "dvc", "repro")
+    _assert_same(project, folder)
+    before = {path: path.stat().st_mtime_ns for path in (folder / "results").rglob("*.*")}
+    printed = tiny_project.run(folder, "dvc", "repro").stdout
     assert "Data and pipelines are up to date." in printed
     assert "Running stage" not in printed
-    assert {path: path.stat().st_mtime_ns for path in (project / "results").rglob("*.*")} == before
-    shown = tiny_project.run(project, "dvc", "metrics", "show", "--json").stdout
+    assert {path: path.stat().st_mtime_ns for path in (folder / "results").rglob("*.*")} == before
+    shown = tiny_project.run(folder, "dvc", "metrics", "show", "--json").stdout
     assert RUN in json.dumps(json.loads(shown))
 
 

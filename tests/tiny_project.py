@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+import importlib
+import itertools
 import os
 import shutil
 import subprocess
 import sys
 from pathlib import Path
+
+import pytest
+
+from lfr.params import read_yaml
+from lfr.program import run_stage
 
 ROOT = Path(__file__).parent.parent
 # DVC looks at the copy's sources; Python takes the project's own, whose kernel is compiled already.
@@ -32,6 +39,34 @@ def make(folder: Path, params: str | None = None) -> Path:
     (folder / "params.yaml").write_text(tiny if params is None else params)
     run(folder, "dvc", "init", "--no-scm", "--quiet")
     return folder
+
+
+def run_stages(folder: Path) -> Path:
+    """All stages in ``folder`` without DVC, in this process: each is started but once."""
+    folder.mkdir(parents=True, exist_ok=True)
+    shutil.copy(ROOT / "tests" / "tiny_params.yaml", folder / "params.yaml")
+    params = read_yaml(folder / "params.yaml")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        patch.delenv("RAY_ADDRESS", raising=False)
+        patch.setattr("os.cpu_count", lambda: 1)  # jobs run here
+        datasets = itertools.product(params["robots"], params["tasks"])
+        for robot, task in datasets:
+            for stage in ("record", "pack"):
+                _stage(stage, "--robot", robot, "--task", task)
+        for transfer in params["transfers"]:
+            _stage("skills", "--transfer", transfer)
+            _stage("mapping", "--transfer", transfer)
+            for method in params["methods"]:
+                _stage("transfer", "--transfer", transfer, "--method", method)
+                _stage("evaluate", "--transfer", transfer, "--method", method)
+        _stage("report")
+    return folder
+
+
+def _stage(name: str, *arguments: str) -> None:
+    main = importlib.import_module(f"pipeline.{name}").main
+    assert run_stage(main, arguments) == 0, f"{name} {arguments}"
 
 
 def run(folder: Path, *command: str, expect: int = 0) -> subprocess.CompletedProcess[str]:
