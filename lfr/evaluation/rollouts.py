@@ -38,22 +38,15 @@ class Outcome:
     steps: int
 
 
-def roll_out(
-    policy: Policy, simulation: Judge, seeds: Iterable[int], execute: int | None = None
-) -> list[Outcome]:
-    """One episode per seed, until success or the task's horizon.
-
-    Args:
-        execute: control steps of each skill that are carried out before the next is chosen; None
-            carries out whole skills, as the paper does.
-    """
-    return [_episode(policy, simulation, seed, execute) for seed in seeds]
+def roll_out(policy: Policy, simulation: Judge, seeds: Iterable[int]) -> list[Outcome]:
+    """One episode per seed, until success or the task's horizon."""
+    return [_episode(policy, simulation, seed) for seed in seeds]
 
 
-def _episode(policy: Policy, simulation: Judge, seed: int, execute: int | None) -> Outcome:
+def _episode(policy: Policy, simulation: Judge, seed: int) -> Outcome:
     observation, done = simulation.reset(seed), 0
     while done < simulation.horizon:
-        actions = policy.act(observation)[:execute][: simulation.horizon - done]
+        actions = policy.act(observation)[: simulation.horizon - done]
         steps = simulation.step(actions, stop_on_success=True)
         done += len(steps)
         if steps.diverged:

@@ -36,7 +36,7 @@ class Seen:
 
 
 def save_vae(folder: Path, vae: SkillVAE, seen: Seen) -> None:
-    shape = ("horizon", "action_dim", "latent_dim", "hidden")
+    shape = ("horizon", "action_dim", "latent_dim", "hidden", "execute")
     _save(folder, "skill_vae", {name: getattr(vae, name) for name in shape}, vae, seen)
 
 

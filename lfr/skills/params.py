@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from lfr.errors import ParameterError
 from lfr.skills.symmetry import SymmetryParams
 
 
@@ -12,6 +13,7 @@ class VAEParams:
     """The skill VAE: sizes from the paper's part V.A and SPiRL, the rest measured."""
 
     horizon: int = 10  # H, control steps of a skill
+    execute: int = 5  # of them carried out before the next skill is chosen; the paper's is H
     latent_dim: int = 10  # Z
     hidden: int = 128  # LSTM units
     alpha: float = 2e-4  # weight of the divergence in Eq. 3
@@ -19,6 +21,10 @@ class VAEParams:
     batch: int = 128
     learning_rate: float = 3e-3
     augment: float = 0.5  # share of each batch whose windows are turned, mirrored and scaled
+
+    def __post_init__(self) -> None:
+        if self.execute < 1:
+            raise ParameterError(f"execute must be at least 1, found {self.execute}")
 
 
 @dataclass(frozen=True)
@@ -31,7 +37,7 @@ class PriorParams:
 
     hidden: int = 128
     layers: int = 6
-    steps: int = 3000
+    steps: int = 6000
     batch: int = 256
     learning_rate: float = 1e-3
     weight_decay: float = 1e-2

@@ -31,10 +31,10 @@ class SkillPolicy:
 
     @torch.inference_mode()
     def act(self, observation: np.ndarray) -> np.ndarray:
-        """The next skill's actions (H, 7) for one observation (D,)."""
+        """The next skill's actions, as many as are carried out, (n, 7), for an observation (D,)."""
         seen = torch.as_tensor(observation, dtype=torch.float32)[None]
         mu, _ = self.translate(*self.prior(seen))
-        return self.decoder.decode(mu)[0].double().numpy()
+        return self.decoder.carry_out(mu)[0].double().numpy()
 
 
 def untranslated(mu: Tensor, log_sigma: Tensor) -> Distribution:

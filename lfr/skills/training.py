@@ -21,7 +21,9 @@ def train_vae(actions: Tensor, params: VAEParams, seed: int) -> SkillVAE:
     """
     torch.manual_seed(seed)
     generator = torch.Generator().manual_seed(seed)
-    vae = SkillVAE(params.horizon, actions.shape[-1], params.latent_dim, params.hidden)
+    vae = SkillVAE(
+        params.horizon, actions.shape[-1], params.latent_dim, params.hidden, params.execute
+    )
     optimizer = torch.optim.Adam(vae.parameters(), params.learning_rate, foreach=True)
     schedule = _annealed(optimizer, params.steps)
     augmented = round(params.augment * params.batch)

@@ -17,12 +17,21 @@ LOG_SIGMA_RANGE = (-6.0, 2.0)
 class SkillVAE(nn.Module):
     """Encodes actions (B, H, A) to ``(mu, log_sigma)``, (B, Z) each, and decodes z (B, Z) to them.
 
-    Actions are the controller's, in [-1, 1].
+    Actions are the controller's, in [-1, 1]. ``execute`` of a skill's actions are carried out
+    before the next skill is chosen; None carries out all, as the paper does.
     """
 
-    def __init__(self, horizon: int, action_dim: int, latent_dim: int, hidden: int) -> None:
+    def __init__(
+        self,
+        horizon: int,
+        action_dim: int,
+        latent_dim: int,
+        hidden: int,
+        execute: int | None = None,
+    ) -> None:
         super().__init__()
         self.horizon, self.action_dim = horizon, action_dim
+        self.execute = min(execute or horizon, horizon)
         self.latent_dim, self.hidden = latent_dim, hidden
         self.encoder = nn.LSTM(action_dim, hidden, batch_first=True)
         self.posterior = nn.Linear(hidden, 2 * latent_dim)
@@ -47,6 +56,10 @@ class SkillVAE(nn.Module):
     def decode(self, z: Tensor) -> Tensor:
         """Actions that an arm can execute, clipped to [-1, 1], (B, H, A)."""
         return self.reconstruct(z).clamp(-1.0, 1.0)
+
+    def carry_out(self, z: Tensor) -> Tensor:
+        """The first ``execute`` of the decoded actions, (B, execute, A)."""
+        return self.decode(z)[:, : self.execute]
 
 
 def vae_loss(vae: SkillVAE, actions: Tensor, alpha: float) -> tuple[Tensor, dict[str, Tensor]]:

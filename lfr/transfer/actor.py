@@ -47,11 +47,11 @@ class SkillActor:
 
     @torch.no_grad()
     def decode(self, z: Tensor) -> NDArray[np.float64]:
-        """Actions (B, H, A) in [-1, 1] of skills (B, Z)."""
-        return self.decoder.decode(z).double().numpy()
+        """Actions (B, n, A) in [-1, 1] of skills (B, Z), as many as the decoder carries out."""
+        return self.decoder.carry_out(z).double().numpy()
 
     def act(self, observation: NDArray[np.floating]) -> NDArray[np.float64]:
-        """The next skill's actions (H, A) for an observation (D,), or (B, H, A) for (B, D).
+        """The next skill's actions (n, A) for an observation (D,), or (B, n, A) for (B, D).
 
         The mean of the policy, not a sample.
         """

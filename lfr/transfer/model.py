@@ -22,7 +22,7 @@ SHAPES: dict[str, tuple[type[nn.Module], tuple[str, ...]]] = {
     "SkillPrior": (SkillPrior, ("layout_names", "latent_dim", "hidden", "layers")),
     "Generator": (Generator, ("latent_dim", "hidden", "layers")),
     "IdentityMap": (IdentityMap, ()),
-    "SkillVAE": (SkillVAE, ("horizon", "action_dim", "latent_dim", "hidden")),
+    "SkillVAE": (SkillVAE, ("horizon", "action_dim", "latent_dim", "hidden", "execute")),
 }
 
 
