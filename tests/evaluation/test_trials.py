@@ -58,18 +58,6 @@ def test_success_at_any_step_within_the_horizon_and_when() -> None:
     assert outcomes == [Outcome(4, True, 8), Outcome(3, False, 8), Outcome(9, True, 3)]
 
 
-def test_replanning_executes_only_so_many_steps_of_a_skill() -> None:
-    class Once(Steady):
-        calls = 0
-
-        def act(self, observation: np.ndarray) -> np.ndarray:
-            Once.calls += 1
-            return super().act(observation)
-
-    roll_out(Once(0.0), Line(), [0], execute=2)  # type: ignore[arg-type]
-    assert Once.calls == 4  # 8 steps, two of each skill
-
-
 def test_diverged_is_no_success() -> None:
     assert roll_out(Steady(2000.0), Line(), [0]) == [Outcome(0, False, 1)]  # type: ignore[arg-type]
 

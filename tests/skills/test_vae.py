@@ -70,3 +70,12 @@ def test_the_same_seed_gives_the_same_tensors(augment: float) -> None:
     other = train_vae(windows(20), params, seed=4).state_dict()
     assert all(torch.equal(first[name], second[name]) for name in first)
     assert not torch.equal(first["output.weight"], other["output.weight"])
+
+
+def test_the_first_actions_of_a_skill_are_carried_out() -> None:
+    z = torch.randn(5, 3)
+    whole = SkillVAE(4, 7, 3, 8)
+    assert torch.equal(whole.carry_out(z), whole.decode(z))
+    some = SkillVAE(4, 7, 3, 8, execute=2)
+    assert torch.equal(some.carry_out(z), some.decode(z)[:, :2])
+    assert some.decode(z).shape == (5, 4, 7)

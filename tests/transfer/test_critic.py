@@ -38,7 +38,9 @@ def _member(critics: CriticEnsemble, e: int) -> nn.Sequential:
 
 @pytest.mark.parametrize("layer_norm", [False, True])
 def test_ensemble_equals_separate_networks(layer_norm):
-    critics = CriticEnsemble(Normalizer(4), 4, 2, 3, (8, 5), layer_norm=layer_norm)
+    critics = CriticEnsemble(
+        Normalizer(["a", "b", "c", "d"]), 4, 2, 3, (8, 5), layer_norm=layer_norm
+    )
     for parameter in critics.parameters():  # scale and shift of the norm, too
         nn.init.normal_(parameter)
     observation, z, target = torch.randn(7, 4), torch.randn(7, 2), torch.randn(7)
@@ -50,7 +52,7 @@ def test_ensemble_equals_separate_networks(layer_norm):
 
 
 def test_initialised_as_torch_does():
-    critics = CriticEnsemble(Normalizer(4), 4, 2, 2, (64,), layer_norm=False)
+    critics = CriticEnsemble(Normalizer(["a", "b", "c", "d"]), 4, 2, 2, (64,), layer_norm=False)
     reference = nn.Linear(6, 64).weight
     weight = next(critics.parameters())
     assert weight.abs().max() <= 6**-0.5
