@@ -72,5 +72,7 @@ def _stage(name: str, *arguments: str) -> None:
 def run(folder: Path, *command: str, expect: int = 0) -> subprocess.CompletedProcess[str]:
     """Run a command there; its output is in the message if it ends in another way."""
     done = subprocess.run(command, cwd=folder, env=ENVIRONMENT, capture_output=True, text=True)
-    assert done.returncode == expect, f"{command} {done.returncode}\n{done.stdout[-4000:]}\n{done.stderr[-6000:]}"
+    assert done.returncode == expect, (
+        f"{command} {done.returncode}\n{done.stdout[-4000:]}\n{done.stderr[-6000:]}"
+    )
     return done
