@@ -117,7 +117,7 @@ def test_report_outside_a_job_does_nothing() -> None:
 
 
 PROGRAM = """
-import sys, time
+import signal, sys, time
 from pathlib import Path
 from lfr.jobs import run_jobs
 
@@ -127,6 +127,8 @@ def slow(number):
     return number
 
 if __name__ == "__main__":
+    # A shell's background job, such as a test run may be, has Ctrl-C switched off.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     run_jobs(slow, [0, 1, 2, 3], workers=2, work=Path(sys.argv[1]) / "work")
 """
 
