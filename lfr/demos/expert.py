@@ -12,22 +12,25 @@ from lfr.sim.layout import ObservationLayout
 # The controller's action of 1 moves its goal by this much: OSC_POSE's output_max in robosuite.
 METRES_PER_ACTION = 0.05
 RADIANS_PER_ACTION = 0.5
+SHOVE_STEPS = 6
+SHOVE_SIZE = 0.6  # bound on its components, as an action
 SLIP_STEPS = 8  # at 0.2 of the gripper's command a step, enough to lose or to miss an object
 
 
 @dataclass(frozen=True)
 class ExpertParams:
-    """The demonstrator's manner.
+    """The demonstrator's manner, which sets the ceiling of all that learns from it.
 
-    A calm expert is easier to learn than a saturated one: with gain 2 the source's own success was
-    at most 0.7 in a trial where gain 1 gave up to 1.0.
+    Gains are a compromise: weaker ones stall short of a grasp by joint friction, and correct a
+    tilted hand by less than a skill VAE resolves; stronger ones turn noise into labels.
     """
 
     gain: float = 4.0  # action per METRES_PER_ACTION of distance
-    turn_gain: float = 0.5  # action per RADIANS_PER_ACTION of angle
+    turn_gain: float = 1.0  # action per RADIANS_PER_ACTION of angle
     max_action: float = 1.0  # bound on each clean action component
     noise: float = 0.1  # standard deviation of the executed action's noise
     persistence: float = 0.8  # its correlation from one step to the next
+    shove: float = 0.01  # chance per step that the hand is pushed aside for SHOVE_STEPS steps
     slip: float = 0.005  # chance per step that the hand does the opposite for SLIP_STEPS steps
 
 
@@ -38,7 +41,8 @@ class Expert:
     with Gaussian noise on the motion, as in DART (Laskey et al. 2017), so that demonstrations
     visit the states around the path and show the way back. The noise persists over some steps: it
     displaces the arm further than white noise would, and the clean labels stay smooth. Now and
-    then the hand slips, so that a missed grasp and a lost object have been seen and mended.
+    then the arm is shoved centimetres aside, as far as a learner's own errors take it, and the
+    hand slips, so that a missed grasp and a lost object have been seen and mended.
     """
 
     def __init__(self, task: str, layout: ObservationLayout, params: ExpertParams) -> None:
@@ -46,6 +50,7 @@ class Expert:
         self.params = params
         groups = dict.fromkeys(name.split(".")[0] for name in layout.names)
         self.disturbance = np.zeros(6)
+        self.shove, self.shoved = np.zeros(3), 0  # the push, and for how many more steps
         self.slipping = 0
         self.slices = {group: layout.slice(group) for group in groups}
 
@@ -72,6 +77,11 @@ class Expert:
         fresh = self.params.noise * np.sqrt(1.0 - rho**2) * rng.standard_normal(6)
         self.disturbance = rho * self.disturbance + fresh
         noisy[:6] += self.disturbance
+        if self.shoved == 0 and rng.random() < self.params.shove:
+            self.shoved, self.shove = SHOVE_STEPS, SHOVE_SIZE * rng.uniform(-1.0, 1.0, 3)
+        if self.shoved:
+            self.shoved -= 1
+            noisy[:3] += self.shove
         if self.slipping == 0 and rng.random() < self.params.slip:
             self.slipping = SLIP_STEPS
         if self.slipping:

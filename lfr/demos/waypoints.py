@@ -19,7 +19,13 @@ OPEN, CLOSE = -1.0, 1.0
 # The gripper's command, integrated over control steps, at which the fingers hold what they can.
 GRASPED = 0.9
 CLOSING = -0.85
-CUBE_FUNNEL = (0.008, 0.03)  # horizontal distances in m, see `grasp`; for cubes and the handle
+# The gap between the fingers, m, below which they hold nothing. Hands close to 0 (Panda) and 0.013
+# (Sawyer); the thinnest thing to hold, the nut's handle, keeps them 0.028 apart.
+EMPTY = 0.02
+# Horizontal distances in m, see `grasp`. Sawyer's fingers touch the table beside the nut's handle,
+# and its friction would hold them where they came down.
+CUBE_FUNNEL = (0.008, 0.03)
+HANDLE_FUNNEL = (0.006, 0.02)
 
 
 @dataclass(frozen=True)
@@ -48,6 +54,8 @@ def grasp(
     horizontal = float(np.hypot(to_grasp[0], to_grasp[1]))
     inner, outer = funnel
     at_grasp = horizontal < 0.018 and abs(to_grasp[2]) < 0.02
+    if at_grasp and float(view("gripper_aperture")[0]) < EMPTY:  # closed beside it: rise, try again
+        return Waypoint(np.array([0.0, 0.0, hover]), yaw, OPEN)
     if at_grasp and command > GRASPED:
         return None
     if at_grasp and command > CLOSING:
@@ -111,25 +119,25 @@ def pick_place(view: View) -> Waypoint:
 
 
 def nut_assembly(view: View) -> Waypoint:
-    release = 0.012  # the nut's height over the peg body's origin when it is let go, m
+    # The nut's height over the peg body's origin, m, where it is let go: the peg, 0.1 m high, is
+    # well inside its hole by then, and it falls along it, where a hand might tilt it and jam.
+    release = 0.045
     to_peg = view("nut_to_peg")
     over = np.hypot(to_peg[0], to_peg[1]) < 0.02
-    if over and -to_peg[2] < release + (0.03 if _letting_go(view) else 0.003):
+    if over and -to_peg[2] < release + (0.015 if _letting_go(view) else 0.0):
         return _let_go(view)
+    to_handle = view("handle_to_eef") + np.array([0.0, 0.0, 0.003])  # it lies low
     # The fingers close across the handle, which points along the nut's x axis.
     across_handle = _yaw(-view("nut_yaw"), 2)
-    waypoint = grasp(view, view("handle_to_eef"), across_handle, 0.06, CUBE_FUNNEL)
+    waypoint = grasp(view, to_handle, across_handle, 0.06, HANDLE_FUNNEL)
     if waypoint:
         return waypoint
     align = _reachable(-_yaw(view("nut_peg_yaw"), 4), view("handle_to_eef") - view("nut_to_eef"))
-    to_goal = to_peg + np.array([0.0, 0.0, release - 0.005])
-    engaged = np.hypot(to_goal[0], to_goal[1]) < 0.008 and to_goal[2] > -0.09
-    if engaged:  # the peg, 0.1 m high, holds the nut: lower it gently, or it tilts and jams
-        to_goal[2] = max(to_goal[2], -0.012)
-        return Waypoint(to_goal, align, CLOSE)
+    to_goal = to_peg + np.array([0.0, 0.0, release - 0.02])
     askew = (abs(align) - 0.05) / 0.2  # never press a turned nut onto the peg
-    move = carry(to_goal, 0.16, (0.005, 0.015), askew)
+    move = carry(to_goal, 0.10, (0.005, 0.015), askew)
     move[:2] *= _slowing(move, to_goal)
+    move[2] = max(move[2], -0.006)  # slowly, to see in time where the hole is
     return Waypoint(move, align, CLOSE)
 
 
@@ -174,7 +182,7 @@ def _letting_go(view: View) -> bool:
 
 def _let_go(view: View) -> Waypoint:
     """Open, and once the fingers are on their way, rise straight up."""
-    rise = 0.05 if view("gripper_command")[0] < -0.3 else 0.0
+    rise = 0.05 if view("gripper_command")[0] < -0.5 else 0.0
     return Waypoint(np.array([0.0, 0.0, rise]), 0.0, OPEN)
 
 

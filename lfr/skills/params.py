@@ -14,9 +14,9 @@ class VAEParams:
 
     horizon: int = 10  # H, control steps of a skill
     execute: int = 5  # of them carried out before the next skill is chosen; the paper's is H
-    latent_dim: int = 10  # Z
+    latent_dim: int = 16  # Z; the paper's is 10
     hidden: int = 128  # LSTM units
-    alpha: float = 2e-4  # weight of the divergence in Eq. 3
+    alpha: float = 5e-5  # weight of the divergence in Eq. 3
     steps: int = 3000
     batch: int = 128
     learning_rate: float = 3e-3

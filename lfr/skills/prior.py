@@ -38,21 +38,28 @@ def std_floor(name: str) -> float:
 FINE_SCALE = 0.01
 
 
+# Likewise the tilt of a hand that should point straight down, in rad. It is a cross product of the
+# rotation's columns, which a small network that sees tilts of a few hundredths hardly finds.
+TILT_SCALE = 0.1
+
+
 def is_distance(name: str) -> bool:
     """Whether an input is a component of a vector that is to be brought to zero."""
     return "_to_" in name
 
 
 class Normalizer(nn.Module):
-    """What a prior sees of observations (B, D): (B, D + F), F of them distances.
+    """What a prior sees of observations (B, D): (B, D + F + 2 R), F of them distances, R rotations.
 
     (x - mean) / std with the demonstrations' statistics, std floored per input, then
-    tanh(x / FINE_SCALE) of each distance x (m).
+    tanh(x / FINE_SCALE) of each distance x (m), then tanh(x / TILT_SCALE) of the horizontal
+    components x of each rotation's z axis.
     """
 
     mean: Tensor
     std: Tensor
     distances: Tensor
+    rotations: Tensor
 
     def __init__(self, names: Sequence[str]) -> None:
         super().__init__()
@@ -60,7 +67,10 @@ class Normalizer(nn.Module):
         self.register_buffer("std", torch.ones(len(names)))
         places = [place for place, name in enumerate(names) if is_distance(name)]
         self.register_buffer("distances", torch.tensor(places, dtype=torch.long), persistent=False)
-        self.size = len(names) + len(places)
+        columns = [place for place, name in enumerate(names) if "_rot6d." in name]
+        rotations = torch.tensor(columns, dtype=torch.long).reshape(-1, 2, 3)
+        self.register_buffer("rotations", rotations, persistent=False)
+        self.size = len(names) + len(places) + 2 * len(rotations)
 
     @torch.no_grad()
     def fit(self, observations: Tensor, names: Sequence[str]) -> None:
@@ -71,7 +81,9 @@ class Normalizer(nn.Module):
 
     def forward(self, observations: Tensor) -> Tensor:
         fine = torch.tanh(observations[:, self.distances] / FINE_SCALE)
-        return torch.cat([(observations - self.mean) / self.std, fine], dim=-1)
+        x, y = observations[:, self.rotations].unbind(2)  # (B, R, 3) each
+        tilt = torch.tanh(torch.linalg.cross(x, y)[..., :2].flatten(1) / TILT_SCALE)
+        return torch.cat([(observations - self.mean) / self.std, fine, tilt], dim=-1)
 
     def noise_scale(self) -> Tensor:
         """What counts as a unit of noise for each input, (D,): its std, or the fine scale."""

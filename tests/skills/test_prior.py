@@ -1,5 +1,6 @@
 """The skill prior: normalisation with floors, L_task of Eq. 3, layout errors, learning."""
 
+import math
 from pathlib import Path
 
 import pytest
@@ -17,7 +18,14 @@ from lfr.skills.artifacts import (
     save_vae,
 )
 from lfr.skills.params import PriorParams
-from lfr.skills.prior import POSITION_STD_FLOOR, STD_FLOORS, SkillPrior, std_floor, task_loss
+from lfr.skills.prior import (
+    POSITION_STD_FLOOR,
+    STD_FLOORS,
+    TILT_SCALE,
+    SkillPrior,
+    std_floor,
+    task_loss,
+)
 from lfr.skills.training import train_prior
 from lfr.skills.vae import SkillVAE
 from lfr.tasks import task
@@ -49,6 +57,26 @@ def test_inputs_that_hardly_vary_are_not_blown_up() -> None:
     assert std["gripper_command"] == pytest.approx(STD_FLOORS["command"])
     assert std["gripper_aperture"] == pytest.approx(STD_FLOORS["aperture"])
     assert std["cube_up.z"] == pytest.approx(STD_FLOORS["up"])
+
+
+def test_a_small_tilt_is_magnified_whichever_way_the_hand_is_turned() -> None:
+    made = SkillPrior(NAMES, 3, 8, 2)
+    layout = ObservationLayout.of(task("lift"))
+    for yaw in (0.0, 1.0, -2.5):
+        cos, sin, tilt = math.cos(yaw), math.sin(yaw), 0.02
+        # The hand points down, turned by yaw, then tilted by a little about the base's y axis.
+        x, y = torch.tensor([cos, sin, 0.0]), torch.tensor([sin, -cos, 0.0])
+        about_y = torch.tensor(
+            [
+                [math.cos(tilt), 0.0, math.sin(tilt)],
+                [0.0, 1.0, 0.0],
+                [-math.sin(tilt), 0.0, math.cos(tilt)],
+            ]
+        )
+        seen = torch.zeros(1, len(NAMES))
+        seen[0, layout.slice("eef_rot6d")] = torch.cat([about_y @ x, about_y @ y])
+        expected = torch.tensor([-math.tanh(math.sin(tilt) / TILT_SCALE), 0.0])
+        torch.testing.assert_close(made.normalizer(seen)[0, -2:], expected, atol=1e-6, rtol=0)
 
 
 def test_inputs_that_vary_are_standardised() -> None:

@@ -1,0 +1,66 @@
+"""The scripted expert: what it does when things go wrong, and that it can do its tasks."""
+
+import numpy as np
+import pytest
+
+from lfr.demos.attempt import AttemptParams, attempt
+from lfr.demos.expert import SHOVE_STEPS, Expert, ExpertParams
+from lfr.robots import ROBOTS
+from lfr.sim.layout import ObservationLayout
+from lfr.sim.simulation import simulation
+from lfr.tasks import TASKS, task
+
+CALM = ExpertParams(noise=0.0, shove=0.0, slip=0.0)
+
+
+def over_the_cube(aperture: float, command: float) -> np.ndarray:
+    """An observation of Lift with the hand, upright, exactly where it would grasp."""
+    layout = ObservationLayout.of(task("lift"))
+    seen = np.zeros(layout.size)
+    seen[layout.slice("eef_rot6d")] = [1.0, 0.0, 0.0, 0.0, -1.0, 0.0]
+    seen[layout.slice("cube_yaw")] = [1.0, 0.0]
+    seen[layout.slice("gripper_aperture")] = aperture
+    seen[layout.slice("gripper_command")] = command
+    return seen
+
+
+@pytest.mark.parametrize(
+    ("aperture", "command", "rises", "gripper"),
+    [(0.04, 1.0, True, 1.0), (0.04, 0.0, False, 1.0), (0.001, 1.0, True, -1.0)],
+    ids=["holding: lifts", "closing: stays", "closed on nothing: opens and rises"],
+)
+def test_the_fingers_gap_tells_what_is_held(
+    aperture: float, command: float, rises: bool, gripper: float
+) -> None:
+    expert = Expert("lift", ObservationLayout.of(task("lift")), CALM)
+    action = expert.clean(over_the_cube(aperture, command))
+    assert (action[2] > 0.5) == rises
+    assert action[6] == gripper
+
+
+def test_a_shove_is_one_push_of_some_steps_and_the_label_stays_clean() -> None:
+    layout = ObservationLayout.of(task("lift"))
+    expert = Expert("lift", layout, ExpertParams(noise=0.0, slip=0.0, shove=1.0))
+    clean = np.zeros(7)
+    rng = np.random.default_rng(0)
+    pushes = np.array([expert.execute(clean, rng) for _ in range(2 * SHOVE_STEPS)])
+    first, second = pushes[:SHOVE_STEPS], pushes[SHOVE_STEPS:]
+    assert np.ptp(first, axis=0).max() == 0.0
+    assert np.abs(first[0, :3]).max() > 0.0
+    assert not np.allclose(first[0], second[0])
+    assert not pushes[:, 3:].any()
+    assert not clean.any()
+
+
+def test_without_disturbance_it_executes_the_label() -> None:
+    expert = Expert("lift", ObservationLayout.of(task("lift")), CALM)
+    action = np.linspace(-1.0, 1.0, 7)
+    np.testing.assert_array_equal(expert.execute(action, np.random.default_rng(0)), action)
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+@pytest.mark.parametrize("name", TASKS)
+def test_it_does_every_task_with_both_arms(robot: str, name: str) -> None:
+    params = AttemptParams(expert=CALM)
+    attempts = (list(attempt(simulation(robot, name), params, seed)) for seed in range(4))
+    assert sum(any(moment.success for moment in moments) for moments in attempts) >= 3
