@@ -9,7 +9,8 @@ import pytest
 
 from lfr.errors import DataError
 from lfr.transfer.observer import CurvePoint
-from lfr.view.learning import LearningLog, read_curve, save_learning
+from lfr.view.curve import read_curve, save_learning
+from lfr.view.learning import LearningLog
 
 from . import rrd
 
