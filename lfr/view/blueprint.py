@@ -6,7 +6,7 @@ such module lists its own), and none of the code that writes them.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
@@ -25,13 +25,13 @@ class EpisodeLayout:
     Attributes:
         title: of the episode.
         cameras: names of its cameras.
-        groups: names of the groups of its observation, each under `/observation`.
+        groups: of its observation, each an entity below `/observation`: name -> title.
         eye: of the 3-D view.
     """
 
     title: str
     cameras: tuple[str, ...]
-    groups: tuple[str, ...]
+    groups: Mapping[str, str]
     eye: Eye
 
 
@@ -199,7 +199,7 @@ def _latent_view(
 def _observation_tab(layout: EpisodeLayout) -> rrb.Container:
     import rerun.blueprint as rrb
 
-    views = [series_view(group, f"/observation/{group}") for group in layout.groups]
+    views = [series_view(title, f"/observation/{group}") for group, title in layout.groups.items()]
     return rrb.Grid(*views, series_view("joints (rad)", "/joints"), name="Observation")
 
 

@@ -117,7 +117,7 @@ def learning_recording(
 
     recording = rr.RecordingStream(title)
     recording.save(path, default_blueprint=learning_blueprint(title, choice=choice))
-    recording.send_recording_name(title)
+    recording.send_recording_name(f"learning · {title}")
     for number, run in enumerate(runs):
         color = series.PALETTE[number % len(series.PALETTE)]
         for quantity in (*CURVES.values(), *UPDATES.values()):

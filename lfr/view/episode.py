@@ -50,10 +50,13 @@ FAILURE, SUCCESSFUL = (90, 94, 102), series.GREEN
 
 
 def episode_title(episode: Episode, note: str | None = None) -> str:
-    """For people: `panda · lift · seed 3 · success`, and what there is to add."""
+    """For people: `panda · lift · seed 3 · success`, after a note if there is one.
+
+    The note stands first, since rerun's list of recordings shows some fifteen letters.
+    """
     outcome = "success" if episode.success else "failure"
     title = f"{episode.robot} · {episode.task} · seed {episode.seed} · {outcome}"
-    return f"{title} · {note}" if note else title
+    return f"{note} · {title}" if note else title
 
 
 def save_episode(path: Path, episode: Episode, poses: Poses | None = None) -> None:
@@ -72,14 +75,14 @@ def save_episode(path: Path, episode: Episode, poses: Poses | None = None) -> No
 
 
 def episode_layout(episode: Episode, poses: Poses, note: str | None = None) -> EpisodeLayout:
-    """What the layout of an episode depends on; `note` is added to its title."""
+    """What the layout of an episode depends on; `note` stands before its title."""
     seen = [poses[b][:, :3] for b in moving_bodies(episode.robot, episode.task) if b in poses]
     keys = [key for key in (STATE, ENVIRONMENT_STATE) if key in episode.schema]
     names = [name for key in keys for name in episode.schema[key].names or ()]
     return EpisodeLayout(
         title=episode_title(episode, note),
         cameras=tuple(episode.images),
-        groups=tuple(observation_groups(names)),
+        groups={group: observation_title(group) for group in observation_groups(names)},
         eye=eye_on(np.concatenate(seen)),
     )
 
@@ -205,7 +208,7 @@ def log_features(recording: rr.RecordingStream, episode: Episode) -> None:
         if key in features:
             _log_groups(recording, times, features[key], schema[key].names or ())
     if JOINT_POSITION in features:
-        joints = schema[JOINT_POSITION].names or ()
+        joints = [name.removeprefix("robot0_") for name in schema[JOINT_POSITION].names or ()]
         log_series(recording, "/joints", times, features[JOINT_POSITION], joints)
 
 
@@ -232,6 +235,12 @@ def observation_groups(names: Sequence[str]) -> dict[str, list[int]]:
     for index, name in enumerate(names):
         groups.setdefault(name.split(".")[0], []).append(index)
     return groups
+
+
+def observation_title(group: str) -> str:
+    """A group of the observation with its unit: positions, offsets and the aperture are lengths."""
+    length = group.endswith(("_pos", "_aperture")) or "_to_" in group
+    return f"{group} (m)" if length else group
 
 
 def _log_groups(

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 
 from lfr.transfer.observer import CurvePoint, Observer
-from lfr.view.curve import UPDATES, Point, learning_recording, log_curve
+from lfr.view.curve import CURVES, UPDATES, Point, learning_recording, log_curve
 
 FLUSH_SECONDS = 2.0
 
@@ -51,7 +51,9 @@ class LearningLog(Observer):
             self.send()
 
     def on_evaluation(self, point: CurvePoint) -> None:
-        self.catch_up([dataclasses.asdict(point)])
+        self._seen.add(point.env_steps)
+        log_curve(self._recording, [dataclasses.asdict(point)])
+        self.send()
         if self._waiting and self._fraction >= self._waiting[0]:
             self._waiting = [part for part in self._waiting if part > self._fraction]
             if self._sample is not None:
@@ -66,7 +68,8 @@ class LearningLog(Observer):
         """Log the points of a curve that were not heard of, as those before a run was resumed."""
         new = [point for point in curve if int(point["env_steps"]) not in self._seen]
         self._seen.update(int(point["env_steps"]) for point in new)
-        log_curve(self._recording, new)
+        # Their updates were not heard of either; a point holds the means.
+        log_curve(self._recording, new, {**CURVES, **UPDATES})
         self.send()
 
     def send(self) -> None:

@@ -53,7 +53,7 @@ def save_policy_episode(
         episode: T frames.
         trace: the skills that made it.
         poses: of the bodies, found out from the episode by default.
-        note: added to its title, such as how far the policy had learned.
+        note: before its title, such as how far the policy had learned.
     """
     import rerun as rr
 
