@@ -45,5 +45,5 @@ def eye_on(points: ArrayLike) -> Eye:
     high = np.max(seen[:, :2] + nearness, axis=0) + MARGIN
     low = np.max(-seen[:, :2] + nearness, axis=0) + MARGIN
     distance = np.max(high + low) / (2 * tangent)
-    target = np.array([*(high - low) / 2, depth]) @ axes
-    return Eye(target + distance * back, target)
+    target = np.array([*(high - low) / 2, depth], dtype=np.float64) @ axes
+    return Eye((target + distance * back).astype(np.float64), target)
