@@ -59,7 +59,8 @@ def learn(job: RunJob) -> dict[str, Any]:
         shown = simulation(robot, task)
         seed = episode_seed("learning", job.seed * SEEDS_PER_RUN)
         episode, trace = roll_out_policy(start.actor, shown, seed)
-        save_policy_episode(folder / f"episode-{env_steps:06d}.rrd", episode, trace)
+        note = f"{env_steps} environment steps"
+        save_policy_episode(folder / f"episode-{env_steps:06d}.rrd", episode, trace, note=note)
 
     title = f"{transfer.name} {job.method} seed {job.seed}"
     log = LearningLog(folder / "learning.rrd", title, sample)

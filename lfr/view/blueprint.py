@@ -1,24 +1,121 @@
-"""How each kind of recording is laid out: 3-D large at the left, camera and series at the right."""
+"""How each kind of recording is laid out: 3-D large at the left, camera and series at the right.
+
+Layouts are given titles, names and sizes. They know the entities that the recordings write to (each
+such module lists its own), and none of the code that writes them.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
 
-from lfr.data.episode import ENVIRONMENT_STATE, STATE, Episode
+from lfr.view.eye import Eye
 
 if TYPE_CHECKING:
     import rerun.blueprint as rrb
 
-# The eye stands before the table, a little to its side and above: the hand and the objects are
-# nearest, and the arm does not hide them. All four arenas have the table or the bins around x = 0
-# and the arm behind it at x = -0.55 (m, world).
-EYE = (0.95, -0.85, 1.52)
-LOOK_AT = (-0.19, 0.0, 1.03)
 BACKGROUND = (22, 25, 31)
 
 
-def arm_view(name: str = "Scene") -> rrb.Spatial3DView:
+@dataclass(frozen=True)
+class EpisodeLayout:
+    """What the layout of an episode depends on.
+
+    Attributes:
+        title: of the episode.
+        cameras: names of its cameras.
+        groups: of its observation, each an entity below `/observation`: name -> title.
+        eye: of the 3-D view.
+    """
+
+    title: str
+    cameras: tuple[str, ...]
+    groups: Mapping[str, str]
+    eye: Eye
+
+
+def episode_blueprint(layout: EpisodeLayout) -> rrb.Blueprint:
+    """Arm and path at the left; camera, success, action, gripper and reward at the right."""
+    import rerun.blueprint as rrb
+
+    return rrb.Blueprint(
+        rrb.Tabs(_episode_tab(layout), _observation_tab(layout), _about_tab(), active_tab=0),
+        *_panels("time"),
+    )
+
+
+def policy_blueprint(
+    layout: EpisodeLayout,
+    latent_dim: int,
+    latent_bounds: tuple[tuple[float, float], tuple[float, float]],
+) -> rrb.Blueprint:
+    """Arm at the left; the latents of the present skill, divergence and success at the right.
+
+    Args:
+        layout: of the episode.
+        latent_dim: dimensions of the latent space.
+        latent_bounds: what the panels of the latent spaces show, horizontally and vertically.
+    """
+    import rerun.blueprint as rrb
+
+    right = rrb.Vertical(
+        _latent_view("target", "Target's latent space: mapped prior, policy, z", latent_bounds),
+        _latent_view("source", "Source's latent space: its prior", latent_bounds),
+        series_view("KL of policy from mapped prior (nats)", "/skill/divergence", legend=False),
+        series_view("Mean sigma of each distribution", "/skill/spread"),
+        _state_view(),
+        row_shares=[2.2, 2.2, 1, 1.1, 1.3],
+    )
+    overview = rrb.Horizontal(
+        arm_view(layout.title, layout.eye), right, column_shares=[1.5, 1], name="Policy"
+    )
+    dimensions = [
+        series_view(f"z{d}", f"/skill/dimension/{d}", legend=d == 0) for d in range(latent_dim)
+    ]
+    skills = rrb.Grid(*dimensions, name="Latent dimensions")
+    tabs = rrb.Tabs(
+        overview, skills, _episode_tab(layout), _observation_tab(layout), _about_tab(), active_tab=0
+    )
+    return rrb.Blueprint(tabs, *_panels("time", choice=True))
+
+
+def learning_blueprint(title: str, *, choice: bool = False) -> rrb.Blueprint:
+    """Success large, return and length beside it, what is known of the updates below.
+
+    Args:
+        title: of the run.
+        choice: show the list of recordings; a run leaves episodes beside its curves.
+    """
+    import rerun.blueprint as rrb
+
+    first = rrb.Horizontal(
+        series_view(
+            "Success rate",
+            ["/evaluation/success/**", "/learning/success/**"],
+            (-0.02, 1.02),
+            corner="RightBottom",
+        ),
+        rrb.Vertical(
+            series_view("Return of an episode", "/evaluation/return/**", legend=False),
+            series_view("Episode length (control steps)", "/evaluation/length/**", legend=False),
+        ),
+        column_shares=[2, 1],
+    )
+    updates = rrb.Grid(
+        series_view("KL of policy from mapped prior (nats)", "/update/kl/**", legend=False),
+        series_view("Temperature alpha", "/update/alpha/**", legend=False),
+        series_view("Mean sigma of the policy", "/update/sigma/**", legend=False),
+        series_view("Q", "/update/q/**", legend=False),
+        series_view("Critic's loss", "/update/critic_loss/**", legend=False),
+        series_view("Policy's loss", "/update/policy_loss/**", legend=False),
+        grid_columns=3,
+    )
+    named = rrb.Vertical(first, updates, name=f"{title}, against environment steps")
+    return rrb.Blueprint(rrb.Tabs(named), *_panels("env_steps", moving=False, choice=choice))
+
+
+def arm_view(name: str, eye: Eye) -> rrb.Spatial3DView:
     """The arm, its task and its path in 3-D."""
     import rerun.blueprint as rrb
 
@@ -30,7 +127,9 @@ def arm_view(name: str = "Scene") -> rrb.Spatial3DView:
         line_grid=rrb.LineGrid3D(
             visible=True, spacing=0.5, stroke_width=0.6, color=(70, 76, 88, 110)
         ),
-        eye_controls=rrb.EyeControls3D(kind="Orbital", position=EYE, look_target=LOOK_AT),
+        eye_controls=rrb.EyeControls3D(
+            kind="Orbital", position=eye.position, look_target=eye.target
+        ),
     )
 
 
@@ -40,154 +139,87 @@ def series_view(
     span: tuple[float, float] | None = None,
     *,
     legend: bool = True,
+    corner: Literal["RightTop", "RightBottom"] = "RightTop",
 ) -> rrb.TimeSeriesView:
-    """Curves over time; `span` fixes the vertical axis."""
+    """Curves over the whole of their timeline; `span` fixes the vertical axis."""
+    import rerun as rr
     import rerun.blueprint as rrb
 
+    # Left to itself, rerun shows a stretch around the cursor where a timeline counts steps.
+    whole = rr.TimeRange(rr.TimeRangeBoundary.infinite(), rr.TimeRangeBoundary.infinite())
     return rrb.TimeSeriesView(
         origin="/",
         contents=[contents] if isinstance(contents, str) else list(contents),
         name=name,
+        axis_x=rrb.archetypes.TimeAxis(view_range=whole),
         axis_y=rrb.ScalarAxis(range=span) if span else None,
-        plot_legend=rrb.PlotLegend(corner="RightTop", visible=legend),
+        plot_legend=rrb.PlotLegend(corner=corner, visible=legend),
     )
 
 
-def camera_views(cameras: Sequence[str]) -> list[rrb.View]:
-    """One view for each camera."""
+def _episode_tab(layout: EpisodeLayout) -> rrb.Container:
     import rerun.blueprint as rrb
 
-    return [rrb.Spatial2DView(origin=f"/camera/{camera}", name=camera) for camera in cameras]
-
-
-def episode_blueprint(episode: Episode) -> rrb.Blueprint:
-    """Arm and path at the left; camera, success, action, gripper and reward at the right."""
-    import rerun.blueprint as rrb
-
-    return rrb.Blueprint(
-        rrb.Tabs(_episode_tab(episode), _observation(episode), _about(), active_tab=0),
-        *_panels("time"),
-    )
-
-
-def _episode_tab(episode: Episode) -> rrb.Container:
-    import rerun.blueprint as rrb
-
-    from lfr.view.episode import episode_title
-
-    cameras = camera_views(list(episode.images))
+    cameras = [
+        rrb.Spatial2DView(origin=f"/camera/{camera}", name=camera) for camera in layout.cameras
+    ]
     series = [
-        rrb.StateTimelineView(origin="/state", name="Gripper and success"),
-        series_view("Action: translation (× 5 cm)", "/action/translation", (-1.05, 1.05)),
-        series_view("Action: rotation (× 0.5 rad)", "/action/rotation", (-1.05, 1.05)),
-        series_view("Gripper", ["/action/gripper", "/gripper"], (-1.05, 1.05)),
+        _state_view(),
+        series_view("Action: translation (1 = 5 cm)", "/action/translation", (-1.05, 1.05)),
+        series_view("Action: rotation (1 = 0.5 rad)", "/action/rotation", (-1.05, 1.05)),
+        series_view("Gripper (-1 open, +1 closed)", ["/action/gripper", "/gripper"], (-1.05, 1.05)),
         series_view("Reward", "/reward", legend=False),
     ]
-    right = rrb.Vertical(*cameras, *series, row_shares=[*[2.6] * len(cameras), 0.9, 1, 1, 1, 1])
+    shares = [*[2.2] * len(cameras), 1.35, 1, 1, 1, 1]
+    right = rrb.Vertical(*cameras, *series, row_shares=shares)
     return rrb.Horizontal(
-        arm_view(episode_title(episode)), right, column_shares=[2.1, 1], name="Episode"
-    )
-
-    overview = rrb.Horizontal(
-        arm_view(episode_title(episode)), right, column_shares=[2.1, 1], name="Episode"
-    )
-    return rrb.Blueprint(
-        rrb.Tabs(overview, _observation(episode), _about(), active_tab=0),
-        *_panels("time"),
+        arm_view(layout.title, layout.eye), right, column_shares=[1.7, 1], name="Episode"
     )
 
 
-def policy_blueprint(episode: Episode, latent_dim: int) -> rrb.Blueprint:
-    """Arm at the left; the latents of the present skill, divergence and success at the right."""
+def _state_view() -> rrb.View:
     import rerun.blueprint as rrb
 
-    from lfr.view.episode import episode_title
-
-    right = rrb.Vertical(
-        _latent_view("target", "Target's latent space: mapped prior, policy, chosen z", latent_dim),
-        _latent_view("source", "Source's latent space: its prior", latent_dim),
-        series_view("Divergence of the policy from the mapped prior (nats)", "/skill/divergence"),
-        series_view("Mean spread", "/skill/spread"),
-        rrb.StateTimelineView(origin="/state", name="Gripper and success"),
-        row_shares=[2.3, 2.3, 0.9, 0.9, 1.2],
-    )
-    overview = rrb.Horizontal(
-        arm_view(episode_title(episode)), right, column_shares=[1.6, 1], name="Policy"
-    )
-    dimensions = [series_view(f"z{d}", f"/skill/dimension/{d}") for d in range(latent_dim)]
-    skills = rrb.Grid(*dimensions, name="Latent dimensions")
-    return rrb.Blueprint(
-        rrb.Tabs(overview, skills, _episode_tab(episode), _about(), active_tab=0),
-        *_panels("time"),
-    )
+    return rrb.StateTimelineView(origin="/state", name="Gripper and success")
 
 
-def _latent_view(space: str, name: str, latent_dim: int) -> rrb.View:
+def _latent_view(
+    space: str, name: str, bounds: tuple[tuple[float, float], tuple[float, float]]
+) -> rrb.View:
     import rerun.blueprint as rrb
 
-    from lfr.view.policy import DIMENSION_WIDTH, SPAN, UNIT
-
-    bounds = rrb.VisualBounds2D(
-        x_range=(-1.1 * DIMENSION_WIDTH, (latent_dim - 0.4) * DIMENSION_WIDTH),
-        y_range=(-(SPAN + 1.0) * UNIT, (SPAN + 1.0) * UNIT),
-    )
     return rrb.Spatial2DView(
         origin=f"/latent/{space}",
         name=name,
-        visual_bounds=bounds,
+        visual_bounds=rrb.VisualBounds2D(x_range=bounds[0], y_range=bounds[1]),
         background=rrb.archetypes.Background(kind="SolidColor", color=BACKGROUND),
     )
 
 
-def learning_blueprint() -> rrb.Blueprint:
-    """Success large; return, divergence, temperature, values and losses around it."""
+def _observation_tab(layout: EpisodeLayout) -> rrb.Container:
     import rerun.blueprint as rrb
 
-    first = rrb.Horizontal(
-        series_view("Success", ["/evaluation/success", "/learning/success"], (-0.02, 1.02)),
-        rrb.Vertical(
-            series_view("Return", "/evaluation/return", legend=False),
-            series_view("Episode length (control steps)", "/evaluation/length", legend=False),
-        ),
-        column_shares=[2, 1],
-    )
-    second = rrb.Horizontal(
-        series_view("Divergence from the mapped prior (nats)", ["/update/kl"], legend=False),
-        series_view("Temperature", "/update/alpha", legend=False),
-        series_view("Spread of the policy", "/update/sigma", legend=False),
-        series_view("Q", "/update/q", legend=False),
-        series_view("Losses", ["/update/critic_loss", "/update/policy_loss"]),
-    )
-    return rrb.Blueprint(
-        rrb.Vertical(first, second, row_shares=[1.6, 1], name="Learning"), *_panels("env_steps")
-    )
-
-
-def _observation(episode: Episode) -> rrb.Container:
-    import rerun.blueprint as rrb
-
-    from lfr.view.episode import observation_groups
-
-    schema = episode.schema
-    names = [
-        n for key in (STATE, ENVIRONMENT_STATE) if key in schema for n in schema[key].names or ()
-    ]
-    groups = observation_groups(names)
-    views = [series_view(group, f"/observation/{group}") for group in groups]
+    views = [series_view(title, f"/observation/{group}") for group, title in layout.groups.items()]
     return rrb.Grid(*views, series_view("joints (rad)", "/joints"), name="Observation")
 
 
-def _about() -> rrb.View:
+def _about_tab() -> rrb.View:
     import rerun.blueprint as rrb
 
     return rrb.TextDocumentView(origin="/about", name="About")
 
 
-def _panels(timeline: str) -> list[rrb.BlueprintPart]:
+def _panels(timeline: str, *, moving: bool = True, choice: bool = False) -> list[rrb.BlueprintPart]:
+    """The panels around the views; `choice` opens the one with the list of recordings."""
     import rerun.blueprint as rrb
 
     return [
-        rrb.BlueprintPanel(state="collapsed"),
+        rrb.BlueprintPanel(state="expanded" if choice else "collapsed"),
         rrb.SelectionPanel(state="collapsed"),
-        rrb.TimePanel(state="collapsed", timeline=timeline, loop_mode="All", play_state="Playing"),
+        rrb.TimePanel(
+            state="collapsed",
+            timeline=timeline,
+            loop_mode="All" if moving else "Off",
+            play_state="Playing" if moving else "Following",
+        ),
     ]

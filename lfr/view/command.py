@@ -132,10 +132,12 @@ def _dataset_episode(path: Path, index: int, folder: Path) -> Path:
 
 
 def _curve(path: Path, folder: Path) -> Path:
-    from lfr.view.learning import read_curve, save_learning
+    from lfr.view.curve import read_curve, save_learning
 
     out = folder / "learning.rrd"
-    save_learning(out, read_curve(path), title=path.resolve().parent.name)
+    place = path.resolve()
+    title = place.parent.name if place.stem == "curve" else place.stem
+    save_learning(out, read_curve(path), title=title)
     return out
 
 

@@ -33,8 +33,10 @@ from lfr.data.episode import (
     Episode,
 )
 from lfr.view import series
+from lfr.view.blueprint import EpisodeLayout, episode_blueprint
+from lfr.view.eye import eye_on
 from lfr.view.motion import Poses, poses_of
-from lfr.view.scene import APPLICATION, WORLD, body_path, log_scene
+from lfr.view.scene import WORLD, body_path, log_scene, moving_bodies
 from lfr.view.series import frame_times, log_series, log_states
 
 if TYPE_CHECKING:
@@ -47,27 +49,49 @@ OPEN_COLOR, CLOSING_COLOR = series.BLUE, series.AMBER
 FAILURE, SUCCESSFUL = (90, 94, 102), series.GREEN
 
 
-def episode_title(episode: Episode) -> str:
-    """For people: `panda · lift · seed 3 · success`."""
+def episode_title(episode: Episode, note: str | None = None) -> str:
+    """For people: `panda · lift · seed 3 · success`, after a note if there is one.
+
+    The note stands first, since rerun's list of recordings shows some fifteen letters.
+    """
     outcome = "success" if episode.success else "failure"
-    return f"{episode.robot} · {episode.task} · seed {episode.seed} · {outcome}"
+    title = f"{episode.robot} · {episode.task} · seed {episode.seed} · {outcome}"
+    return f"{note} · {title}" if note else title
 
 
 def save_episode(path: Path, episode: Episode, poses: Poses | None = None) -> None:
     """Write an episode and its blueprint to an `.rrd` file, whole."""
     import rerun as rr
 
-    from lfr.view.blueprint import episode_blueprint
-
-    with write_whole(path) as partial, rr.RecordingStream(APPLICATION) as recording:
-        recording.save(partial, default_blueprint=episode_blueprint(episode))
-        log_episode(recording, episode, poses)
+    poses = poses_of(episode) if poses is None else poses
+    layout = episode_layout(episode, poses)
+    # rerun keeps one layout an application: each title is one, or recordings that are opened
+    # together would all be laid out as the last of them.
+    with write_whole(path) as partial, rr.RecordingStream(layout.title) as recording:
+        recording.save(partial, default_blueprint=episode_blueprint(layout))
+        log_episode(recording, episode, poses, layout.title)
         recording.flush()
         recording.disconnect()
 
 
+def episode_layout(episode: Episode, poses: Poses, note: str | None = None) -> EpisodeLayout:
+    """What the layout of an episode depends on; `note` stands before its title."""
+    seen = [poses[b][:, :3] for b in moving_bodies(episode.robot, episode.task) if b in poses]
+    keys = [key for key in (STATE, ENVIRONMENT_STATE) if key in episode.schema]
+    names = [name for key in keys for name in episode.schema[key].names or ()]
+    return EpisodeLayout(
+        title=episode_title(episode, note),
+        cameras=tuple(episode.images),
+        groups={group: observation_title(group) for group in observation_groups(names)},
+        eye=eye_on(np.concatenate(seen)),
+    )
+
+
 def log_episode(
-    recording: rr.RecordingStream, episode: Episode, poses: Poses | None = None
+    recording: rr.RecordingStream,
+    episode: Episode,
+    poses: Poses | None = None,
+    title: str | None = None,
 ) -> None:
     """Log everything there is of an episode.
 
@@ -75,12 +99,14 @@ def log_episode(
         recording: where to log to.
         episode: T frames.
         poses: of the bodies (`lfr.view.motion`), found out from the episode by default.
+        title: of the recording.
 
     Raises:
         DataError: the poses cannot be known from what the episode holds.
         UnknownNameError: a robot or task that this project does not know.
     """
-    recording.send_recording_name(episode_title(episode))
+    title = episode_title(episode) if title is None else title
+    recording.send_recording_name(title)
     poses = poses_of(episode) if poses is None else poses
     moving = log_scene(recording, episode.robot, episode.task)
     log_poses(recording, {body: poses[body] for body in moving if body in poses})
@@ -88,7 +114,7 @@ def log_episode(
     log_path(recording, episode, poses)
     log_cameras(recording, episode)
     log_features(recording, episode)
-    log_about(recording, episode)
+    log_about(recording, episode, title)
 
 
 def log_poses(recording: rr.RecordingStream, poses: Poses, world: str = WORLD) -> None:
@@ -161,7 +187,7 @@ def log_features(recording: rr.RecordingStream, episode: Episode) -> None:
     )
     log_series(recording, "/action/translation", times, action[:, :3], names[:3])
     log_series(recording, "/action/rotation", times, action[:, 3:-1], names[3:-1])
-    log_series(recording, "/action/gripper", times, action[:, -1], names[-1:], [series.AMBER])
+    log_series(recording, "/action/gripper", times, action[:, -1], ["action"], [series.AMBER])
 
     if REWARD in features:
         log_series(recording, "/reward", times, features[REWARD], ["reward"], [series.VIOLET])
@@ -176,17 +202,17 @@ def log_features(recording: rr.RecordingStream, episode: Episode) -> None:
     state = features.get(STATE)
     if state is not None and state.shape[1] == 11:
         opening = np.stack([state[:, 9] / APERTURE_SCALE, state[:, 10]], axis=1)
-        labels = [f"aperture / {100 * APERTURE_SCALE:.0f} cm", "command"]
+        labels = [f"aperture (1 = {100 * APERTURE_SCALE:.0f} cm)", "integrated command"]
         log_series(recording, "/gripper", times, opening, labels, [series.TEAL, series.GREY])
     for key in (STATE, ENVIRONMENT_STATE):
         if key in features:
             _log_groups(recording, times, features[key], schema[key].names or ())
     if JOINT_POSITION in features:
-        joints = schema[JOINT_POSITION].names or ()
+        joints = [name.removeprefix("robot0_") for name in schema[JOINT_POSITION].names or ()]
         log_series(recording, "/joints", times, features[JOINT_POSITION], joints)
 
 
-def log_about(recording: rr.RecordingStream, episode: Episode) -> None:
+def log_about(recording: rr.RecordingStream, episode: Episode, title: str) -> None:
     """Log what is known of the episode as a table to read."""
     import rerun as rr
 
@@ -199,7 +225,7 @@ def log_about(recording: rr.RecordingStream, episode: Episode) -> None:
         **{k: v for k, v in episode.metadata.items() if isinstance(v, str | int | float)},
     }
     rows = "\n".join(f"| {key} | {value} |" for key, value in known.items())
-    text = f"# {episode_title(episode)}\n\n| | |\n|---|---|\n{rows}\n"
+    text = f"# {title}\n\n| | |\n|---|---|\n{rows}\n"
     recording.log("/about", rr.TextDocument(text, media_type="text/markdown"), static=True)
 
 
@@ -209,6 +235,12 @@ def observation_groups(names: Sequence[str]) -> dict[str, list[int]]:
     for index, name in enumerate(names):
         groups.setdefault(name.split(".")[0], []).append(index)
     return groups
+
+
+def observation_title(group: str) -> str:
+    """A group of the observation with its unit: positions, offsets and the aperture are lengths."""
+    length = group.endswith(("_pos", "_aperture")) or "_to_" in group
+    return f"{group} (m)" if length else group
 
 
 def _log_groups(

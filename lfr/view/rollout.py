@@ -20,7 +20,7 @@ from lfr.data.episode import (
     Episode,
     EpisodeInfo,
 )
-from lfr.view.policy import SkillTrace
+from lfr.view.trace import SkillTrace
 
 if TYPE_CHECKING:
     from torch import Tensor

@@ -21,6 +21,7 @@ from lfr.view.geometry import Body, Mesh, Solid, visible_bodies
 if TYPE_CHECKING:
     import mujoco
     import rerun as rr
+    from rerun.experimental import Chunk
 
 WORLD = "/world"
 SCENE, MODEL = "scene.rrd", "model.mjb"
@@ -50,12 +51,29 @@ def log_scene(
     Raises:
         UnknownNameError: no robot or task has that name.
     """
-    from rerun.experimental import RrdReader
-
-    chunks = RrdReader(scene_folder(robot, task) / SCENE).stream().to_chunks()
+    chunks = _chunks(robot, task)
     recording.send_chunks(
         chunk.with_entity_path(world + chunk.entity_path.removeprefix(WORLD)) for chunk in chunks
     )
+    return _moving(chunks)
+
+
+def moving_bodies(robot: str, task: str) -> tuple[str, ...]:
+    """The names of the bodies that can be seen and move.
+
+    Raises:
+        UnknownNameError: no robot or task has that name.
+    """
+    return _moving(_chunks(robot, task))
+
+
+def _chunks(robot: str, task: str) -> list[Chunk]:
+    from rerun.experimental import RrdReader
+
+    return RrdReader(scene_folder(robot, task) / SCENE).stream().to_chunks()
+
+
+def _moving(chunks: list[Chunk]) -> tuple[str, ...]:
     parts = [chunk.entity_path.removeprefix(WORLD).split("/")[1:] for chunk in chunks]
     fixed = {part[0] for part in parts if len(part) == 1}  # a pose of its own
     return tuple(dict.fromkeys(part[0] for part in parts if part and part[0] not in fixed))

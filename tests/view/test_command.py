@@ -54,7 +54,7 @@ def test_without_a_screen_it_says_what_to_do(
 
 
 def test_a_folder_of_recordings_is_one_file(shown: Path, tmp_path: Path) -> None:
-    from lfr.view.learning import save_learning
+    from lfr.view.curve import save_learning
 
     folder = tmp_path / "seed-0"
     folder.mkdir()

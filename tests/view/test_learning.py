@@ -9,7 +9,8 @@ import pytest
 
 from lfr.errors import DataError
 from lfr.transfer.observer import CurvePoint
-from lfr.view.learning import LearningLog, read_curve, save_learning
+from lfr.view.curve import read_curve, save_learning
+from lfr.view.learning import LearningLog
 
 from . import rrd
 
@@ -71,3 +72,32 @@ def test_a_run_is_logged_while_it_learns(tmp_path: Path) -> None:
     np.testing.assert_allclose(np.ravel(kl)[order], 0.01 * np.arange(1, 101))
     success = np.ravel(entities["/evaluation/success"]["Scalars:scalars"][1])
     assert sorted(success) == [0.1, 0.2, 0.4, 0.6, 0.8, 1.0]
+
+
+def test_seeds_are_a_curve_each(tmp_path: Path) -> None:
+    path = tmp_path / "runs.csv"
+    rows = ["seed,env_steps,success,kl", "3,0,0.25,", "3,500,0.5,1.5", "7,0,0.0,", "7,510,1.0,2.5"]
+    path.write_text("\n".join(rows))
+    save_learning(tmp_path / "learning.rrd", read_curve(path), "runs")
+    entities = rrd.read(tmp_path / "learning.rrd")
+    for seed, steps, success in ((3, [0, 500], [0.25, 0.5]), (7, [0, 510], [0.0, 1.0])):
+        found, values = entities[f"/evaluation/success/seed-{seed}"]["Scalars:scalars"]
+        assert list(found if found is not None else ()) == steps
+        assert np.ravel(values).tolist() == success
+        names = entities[f"/evaluation/success/seed-{seed}"]["SeriesLines:names"][1][0]
+        assert names == [f"seed {seed}, evaluation"]
+    assert "Scalars:scalars" not in entities.get("/evaluation/success", {})
+    assert np.ravel(entities["/update/kl/seed-7"]["Scalars:scalars"][1]).tolist() == [2.5]
+
+
+def test_a_resumed_run_has_the_means_of_what_it_did_not_hear(tmp_path: Path) -> None:
+    log = LearningLog(tmp_path / "learning.rrd", "run")
+    log.catch_up(CURVE[:2])
+    log.on_update(7500, 9, {"kl": 2.0})
+    log.on_evaluation(point(10000, 0.75))
+    log.catch_up(CURVE)  # its last point was heard of, and with it every update before it
+    log.close()
+    steps, kl = rrd.read(tmp_path / "learning.rrd")["/update/kl"]["Scalars:scalars"]
+    assert sorted(zip(list(steps if steps is not None else ()), np.ravel(kl), strict=True)) == [
+        (5000, 1.5), (7500, 2.0),
+    ]  # fmt: skip

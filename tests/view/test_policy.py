@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 import torch
 
-from lfr.view.policy import SPAN, UNIT, SkillTrace, save_policy_episode
+from lfr.view.latent import SPAN, UNIT
+from lfr.view.policy import save_policy_episode
+from lfr.view.trace import SkillTrace
 
 from . import rrd
 from .conftest import Recorded
