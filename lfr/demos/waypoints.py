@@ -26,6 +26,9 @@ EMPTY = 0.02
 # and its friction would hold them where they came down.
 CUBE_FUNNEL = (0.008, 0.03)
 HANDLE_FUNNEL = (0.006, 0.02)
+# A skill is carried out blindly for some steps, so what leaves millimetres to either side, the can
+# between the fingers, the peg in its hole, is approached by this much at a time, m.
+LOWERING = 0.006
 
 
 @dataclass(frozen=True)
@@ -42,13 +45,19 @@ View = Callable[[str], np.ndarray]
 
 
 def grasp(
-    view: View, to_grasp: np.ndarray, yaw: float, hover: float, funnel: tuple[float, float]
+    view: View,
+    to_grasp: np.ndarray,
+    yaw: float,
+    hover: float,
+    funnel: tuple[float, float],
+    lowering: float = np.inf,
 ) -> Waypoint | None:
     """Approach a grasp point from above and close there; None once it is held.
 
     ``to_grasp`` (3,) leads from the end effector to the grasp point, ``yaw`` is the turn that
     aligns the fingers. They come down from ``hover`` above it between the ``funnel``'s outer and
-    inner horizontal distance; inside that they may wait, but never rise again.
+    inner horizontal distance; inside that they may wait, but never rise again. From the hover on
+    they are lowered by at most ``lowering`` at a time.
     """
     command = float(view("gripper_command")[0])
     horizontal = float(np.hypot(to_grasp[0], to_grasp[1]))
@@ -66,6 +75,8 @@ def grasp(
         height = min(height, 0.0)
     if horizontal < 0.02 and to_grasp[2] > -0.04:  # the fingers are down beside the object
         height = float(to_grasp[2])
+    if to_grasp[2] > -1.2 * hover:
+        height = max(height, -lowering)
     ready = horizontal < max(inner, 0.01) and abs(to_grasp[2]) < 0.012 and abs(yaw) < 0.15
     move = np.array([to_grasp[0], to_grasp[1], height])
     return Waypoint(move, yaw, CLOSE if ready else OPEN)
@@ -112,8 +123,8 @@ def pick_place(view: View) -> Waypoint:
     over = abs(to_bin[0]) < 0.06 and abs(to_bin[1]) < 0.07
     if over and -to_bin[2] < release + (0.06 if _letting_go(view) else 0.012):
         return _let_go(view)
-    # Sawyer's fingers leave 4 mm on either side of the can: come down only when well above it.
-    waypoint = grasp(view, view("can_to_eef"), _level_yaw(view), 0.10, (0.005, 0.016))
+    # Sawyer's fingers leave 4 mm on either side of the can: come down slowly, when well above it.
+    waypoint = grasp(view, view("can_to_eef"), _level_yaw(view), 0.10, (0.005, 0.016), LOWERING)
     to_goal = to_bin + np.array([0.0, 0.0, release])
     return waypoint or Waypoint(carry(to_goal, 0.12, (0.04, 0.09)), 0.0, CLOSE)
 
@@ -137,7 +148,7 @@ def nut_assembly(view: View) -> Waypoint:
     askew = (abs(align) - 0.05) / 0.2  # never press a turned nut onto the peg
     move = carry(to_goal, 0.10, (0.005, 0.015), askew)
     move[:2] *= _slowing(move, to_goal)
-    move[2] = max(move[2], -0.006)  # slowly, to see in time where the hole is
+    move[2] = max(move[2], -LOWERING)
     return Waypoint(move, align, CLOSE)
 
 
