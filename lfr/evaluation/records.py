@@ -12,6 +12,7 @@ from lfr.errors import DataError
 
 RESULTS = Path("results")
 LINKS = ("own_arm", "identity", "recoded", "mapped", "oracle")  # `lfr.evaluation.chain`
+STAGES = ("record", "pack", "skills", "mapping", "transfer", "evaluate")
 Record = dict[str, Any]
 
 
@@ -21,6 +22,27 @@ class Run:
 
     learned: dict[str, Any]
     judged: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class StageRun:
+    """What a stage says of its own run for one key.
+
+    Attributes:
+        seconds: wall-clock.
+        peak_memory: bytes, of its largest process; None where it was not measured.
+        provenance: as `lfr.artifacts.provenance` has it; empty where it was not noted.
+    """
+
+    seconds: float
+    peak_memory: int | None
+    provenance: dict[str, Any]
+
+    @property
+    def revision(self) -> str:
+        """The git revision, shortened, with a plus sign where the sources differed from it."""
+        revision = str(self.provenance.get("revision") or "?")[:12]
+        return revision + "+" * bool(self.provenance.get("modified"))
 
 
 def read_runs(
@@ -94,13 +116,15 @@ def chain_records(transfers: Sequence[str], results: Path = RESULTS) -> dict[str
     return records
 
 
-def stage_seconds(results: Path = RESULTS) -> dict[str, dict[str, float]]:
-    """Wall-clock of each stage's last run: stage -> key -> seconds."""
-    stages = ("record", "pack", "skills", "mapping", "transfer", "evaluate")
+def stage_runs(results: Path = RESULTS) -> dict[str, dict[str, StageRun]]:
+    """The last run of every stage for every key: stage -> key -> run."""
     return {
         stage: {
-            file.stem: read_json(file)["seconds"]
-            for file in sorted((results / stage).glob("*.json"))
+            file.stem: _run(read_json(file)) for file in sorted((results / stage).glob("*.json"))
         }
-        for stage in stages
+        for stage in STAGES
     }
+
+
+def _run(metrics: dict[str, Any]) -> StageRun:
+    return StageRun(metrics["seconds"], metrics.get("peak_memory"), metrics.get("provenance") or {})

@@ -12,6 +12,7 @@ from lfr.errors import DataError
 from lfr.evaluation import figures, tables
 from lfr.evaluation.chain import chain_trials
 from lfr.evaluation.records import LINKS, chain_records, read_runs, transfer_records
+from lfr.evaluation.report import report
 from lfr.evaluation.statistics import success_of
 from lfr.scenarios import Transfer
 
@@ -31,7 +32,14 @@ def results(tmp_path: Path) -> Path:
         "warm_up": 1000,
         "runs": [{"seed": seed, "env_steps": 50_004} for seed in (0, 1)],
         "datasets": {"panda-nut_assembly": "ab" * 32},
-        "provenance": {"revision": "c0ffee", "modified": False},
+        "provenance": {
+            "revision": "c0ffee",
+            "modified": True,
+            "python": "3.12.1",
+            "platform": "Linux",
+            "packages": {"mujoco": "3.9.0"},
+        },
+        "peak_memory": 3 * 2**29,
         "seconds": 1.0,
     }
     judged = {
@@ -44,6 +52,10 @@ def results(tmp_path: Path) -> Path:
     }
     links = {link: rate(10 * i) for i, link in enumerate(LINKS)}
     chain = {"source": "sawyer", "target": "panda", "task": "lift", "links": links, "seconds": 2.0}
+    record = {"seconds": 10.0, "peak_memory": 2**30, "provenance": {"revision": "b0a7"}}
+    lengths = {"episodes": 50, "attempts": 50, "expert_success": 1.0, "frames": 2500,
+               "length": {"median": 50.0}}  # fmt: skip
+    write_json(tmp_path / "record" / "panda-lift.json", {**record, **lengths})
     write_json(tmp_path / "transfer" / f"{NAME}.json", learned)
     write_json(tmp_path / "evaluate" / f"{NAME}.json", judged)
     write_json(tmp_path / "chain" / "s1-panda-lift.json", chain)
@@ -81,6 +93,18 @@ def test_tables_show_the_rates(results: Path) -> None:
     assert shown["success"] == pytest.approx(0.98)
     assert shown["zero_shot"] == pytest.approx(0.51)
     assert shown["oracle"] == 0.4
+
+
+def test_the_report_says_of_each_stage_how_it_ran(results: Path) -> None:
+    records = transfer_records(read_runs(["s1-panda-lift"], ["lfr"], results))
+    text = report(records, chain_records(["s1-panda-lift"], results), results)
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in text.splitlines()]
+    stages = {row[0]: row[1:] for row in rows if len(row) == 5}
+    assert stages["record"] == ["1", "10", "1.00", "b0a7"]
+    assert stages["transfer"] == ["1", "1", "1.50", "c0ffee+"]
+    assert stages["evaluate"] == ["1", "1", "-", "?"]  # left by a stage that did not say
+    assert stages["all"] == ["3", "12", "1.50", ""]
+    assert "- transfer: Python 3.12.1, Linux; mujoco 3.9.0." in text
 
 
 def test_a_run_that_was_not_evaluated_is_named(results: Path) -> None:
