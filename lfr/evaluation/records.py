@@ -108,11 +108,19 @@ def transfer_records(runs: Iterable[Run]) -> list[Record]:
 
 
 def chain_records(transfers: Sequence[str], results: Path = RESULTS) -> dict[str, Record]:
-    """Each transfer's chain: its arms and task, and zero-shot success link by link."""
+    """Each transfer's chain: its arms and task, and zero-shot success link by link.
+
+    The first and the last link are priors on their own arm, which the skills stage has measured.
+    """
     records = {}
     for transfer in transfers:
         found = read_json(results / "chain" / f"{transfer}.json")
-        records[transfer] = {key: found[key] for key in ("source", "target", "task", "links")}
+        skills = read_json(results / "skills" / f"{transfer}.json")
+        links = dict(found["links"])
+        for link, role in (("own_arm", "source"), ("oracle", "oracle")):
+            links[link] = skills[role]["prior"][found["task"]]["own_arm"]
+        about = {key: found[key] for key in ("source", "target", "task")}
+        records[transfer] = {**about, "links": {link: links[link] for link in LINKS}}
     return records
 
 

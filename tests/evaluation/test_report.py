@@ -50,7 +50,18 @@ def results(tmp_path: Path) -> Path:
         ],
         "seconds": 1.0,
     }
-    links = {link: rate(10 * i) for i, link in enumerate(LINKS)}
+    rates = {link: rate(10 * i) for i, link in enumerate(LINKS)}
+    links = {link: rates[link] for link in ("identity", "recoded", "mapped")}
+    rmse = {"lift": {"rmse": {"dx": 0.1, "dy": 0.1, "dz": 0.1}}}
+    skills = {
+        role: {
+            "robot": robot,
+            "prior": {"lift": {"own_arm": rates[link], "kl_held_out": 5.0}},
+            "held_out": rmse,
+        }
+        for role, robot, link in (("source", "sawyer", "own_arm"), ("oracle", "panda", "oracle"))
+    }
+    write_json(tmp_path / "skills" / "s1-panda-lift.json", {**skills, "seconds": 3.0})
     chain = {"source": "sawyer", "target": "panda", "task": "lift", "links": links, "seconds": 2.0}
     record = {"seconds": 10.0, "peak_memory": 2**30, "provenance": {"revision": "b0a7"}}
     lengths = {"episodes": 50, "attempts": 50, "expert_success": 1.0, "frames": 2500,
@@ -89,6 +100,8 @@ def test_tables_show_the_rates(results: Path) -> None:
     assert len(table.splitlines()) == 2 + 2
     assert len({len(line) for line in table.splitlines()}) == 1
     assert "| 10 (" in tables.chain_table(chains)
+    rates = {link: one["rate"] for link, one in chains["s1-panda-lift"]["links"].items()}
+    assert rates == {link: i / 10 for i, link in enumerate(LINKS)}
     shown = tables.summary(records, chains)[NAME]
     assert shown["success"] == pytest.approx(0.98)
     assert shown["zero_shot"] == pytest.approx(0.51)
@@ -103,7 +116,7 @@ def test_the_report_says_of_each_stage_how_it_ran(results: Path) -> None:
     assert stages["record"] == ["1", "10", "1.00", "b0a7"]
     assert stages["transfer"] == ["1", "1", "1.50", "c0ffee+"]
     assert stages["evaluate"] == ["1", "1", "-", "?"]  # left by a stage that did not say
-    assert stages["all"] == ["3", "12", "1.50", ""]
+    assert stages["all"] == ["4", "15", "1.50", ""]
     assert "- transfer: Python 3.12.1, Linux; mujoco 3.9.0." in text
 
 
@@ -135,7 +148,8 @@ def test_the_figure_is_the_same_bytes_again(results: Path) -> None:
 def test_the_chain_has_its_links_in_order_and_on_the_right_arm(tmp_path: Path) -> None:
     transfer = Transfer("s1-panda-lift", "s1", "sawyer", "panda", ("pick_place",), "lift")
     trials = chain_trials(transfer, Path("skills"), Path("mapping"), 10)
-    assert tuple(trials) == LINKS
-    assert [trial.robot for trial in trials.values()] == ["sawyer"] + ["panda"] * 4
+    own_arm = {"own_arm", "oracle"}  # measured by the skills stage
+    assert tuple(trials) == tuple(link for link in LINKS if link not in own_arm)
+    assert {trial.robot for trial in trials.values()} == {"panda"}
     assert {trial.task for trial in trials.values()} == {"lift"}
     assert {trial.episodes for trial in trials.values()} == {10}
