@@ -1,4 +1,4 @@
-"""What every stage does alike: its place for unfinished work, and its metrics with wall-clock."""
+"""What every stage does alike: its place for unfinished work, and what it says of its own run."""
 
 from __future__ import annotations
 
@@ -8,10 +8,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from lfr.artifacts import code_fingerprint, fingerprint, work_folder, write_json, write_whole
+from lfr.artifacts import (
+    code_fingerprint,
+    fingerprint,
+    provenance,
+    work_folder,
+    write_json,
+    write_whole,
+)
 from lfr.errors import ParameterError
+from lfr.jobs import peak_memory
 
-BEGAN = time.perf_counter()  # a stage imports this first
+# When a stage imports this: a commit that is made while it runs is not what it runs.
+BEGAN, MADE_BY = time.perf_counter(), provenance()
 
 
 def unfinished_work(stage: str, key: str, *parts: object, code: tuple[str, ...]) -> Path:
@@ -32,9 +41,17 @@ def unfinished_work(stage: str, key: str, *parts: object, code: tuple[str, ...])
 
 
 def write_metrics(path: Path, metrics: dict[str, Any]) -> None:
-    """The stage's metrics, with the seconds that this run of it took."""
-    seconds = round(time.perf_counter() - BEGAN, 1)
-    write_json(path, {**metrics, "seconds": seconds})
+    """The stage's metrics with those of its run, which `lfr.evaluation.records.StageRun` reads.
+
+    These are the wall-clock seconds, the peak memory of its largest process in bytes, and the git
+    revision and versions (`lfr.artifacts.provenance`).
+    """
+    run = {
+        "seconds": round(time.perf_counter() - BEGAN, 1),
+        "peak_memory": peak_memory(),
+        "provenance": MADE_BY,
+    }
+    write_json(path, {**metrics, **run})
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 import sys
 from pathlib import Path
 
-from lfr.artifacts import provenance, write_json, write_whole
+from lfr.artifacts import write_json, write_whole
 from lfr.errors import ParameterError
 from lfr.evaluation import figures, tables
 from lfr.evaluation.readme import results_block, update_readme
@@ -36,7 +36,7 @@ def main() -> None:
     figures.learning_figure(RESULTS / "learning.svg", curves, records, warm_up)
     write_json(RESULTS / "table.json", tables.summary(records, chains))
     _write(RESULTS / "table.md", tables.transfer_table(records))
-    _write(RESULTS / "report.md", report(records, chains, provenance()))
+    _write(RESULTS / "report.md", report(records, chains))
     if README.is_file():  # it is no output of the stage, and need not be there
         update_readme(README, results_block())
 

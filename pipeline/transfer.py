@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from lfr.artifacts import provenance, write_whole
+from lfr.artifacts import write_whole
 from lfr.jobs import run_jobs
 from lfr.params import read_section
 from lfr.program import run_stage
@@ -55,7 +55,6 @@ def main(transfer: str, method: str) -> None:
         "warm_up": params.warm_up,
         "runs": [_summary(run) for run in runs],
         "datasets": seen[0].datasets | seen[1].datasets,
-        "provenance": provenance(),
     }
     write_metrics(results / f"{name}.json", about)
     for folder in folders.values():  # the replay buffers: large, and of no more use

@@ -11,6 +11,7 @@ from typing import Any
 
 from lfr.errors import DataError, UnknownNameError
 from lfr.jobs import report
+from lfr.jobs.memory import own_peak
 
 
 @dataclass(frozen=True)
@@ -56,6 +57,10 @@ def dies_once(spec: Spec) -> int:
 
 def dies(spec: int) -> None:
     os.kill(os.getpid(), signal.SIGKILL)
+
+
+def hungry(megabytes: int) -> int:
+    return own_peak() if b"\x01" * (megabytes * 2**20) else 0
 
 
 def reporting(steps: int) -> int:

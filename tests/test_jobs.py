@@ -15,7 +15,7 @@ from tqdm import tqdm
 
 from lfr.artifacts import fingerprint
 from lfr.errors import DataError, LfrError, UnknownNameError
-from lfr.jobs import report, run_jobs
+from lfr.jobs import memory, peak_memory, report, run_jobs
 from lfr.jobs.here import run_here
 from lfr.jobs.pool import run_in_pool
 from lfr.jobs.tally import Tally
@@ -44,6 +44,13 @@ def test_the_same_bits_on_one_thread_wherever_it_runs() -> None:
     assert there == {0: here[0]}
     assert here[0][1] == 1
     assert torch.get_num_threads() == before
+
+
+def test_the_peak_memory_of_workers_is_known_here(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(memory, "_workers", 0)
+    peaks = run_jobs(jobs.hungry, [50, 300], workers=2)
+    assert peak_memory() >= max(peaks) > 300 * 2**20
+    assert memory._workers == max(peaks)
 
 
 @pytest.mark.parametrize("workers", [1, 2])

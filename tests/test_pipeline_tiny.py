@@ -27,7 +27,7 @@ from . import tiny_project
 STAGES = ("record", "pack", "skills", "mapping", "transfer", "evaluate")
 TRANSFER, RUN = "s1-panda-lift", "s1-panda-lift-lfr"
 # What differs between two runs of the same thing.
-PASSING = ("seconds", "provenance", "revisions")
+PASSING = ("seconds", "peak_memory", "provenance", "revisions")
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +40,9 @@ def test_every_stage_leaves_its_metrics_and_outs(project: Path) -> None:
     for stage in STAGES:
         files = sorted((project / "results" / stage).glob("*.json"))
         assert files
-        assert all(read_json(file)["seconds"] > 0 for file in files)
+        runs = [read_json(file) for file in files]
+        assert all(run["seconds"] > 0 and run["peak_memory"] > 2**20 for run in runs)
+        assert all(run["provenance"]["packages"]["mujoco"] for run in runs)
     datasets = {f"{robot}-{task}" for robot in ("panda", "sawyer")
                 for task in ("lift", "pick_place", "nut_assembly")}  # fmt: skip
     assert {path.name for path in (project / "data/lerobot").iterdir()} == datasets

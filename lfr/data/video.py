@@ -24,6 +24,9 @@ from lfr.data.stats import Stats, image_stats
 
 MAX_BYTES = 200 * 2**20  # of one file, as LeRobot's video_files_size_in_mb
 
+# SVT-AV1 divides by zero below, which ends the process (measured: widths of 16 to 24).
+MIN_SIDE = 32  # pixels
+
 # SVT-AV1 prints its settings for every file it opens unless told not to: 1 is errors only.
 os.environ.setdefault("SVT_LOG", "1")
 
@@ -55,7 +58,7 @@ class VideoWriter:
             Where they are, as the columns of meta/episodes, and the statistics of their pixels.
 
         Raises:
-            ValueError: an image has another size than those before.
+            ValueError: an image has another size than those before, or is too small to encode.
             OSError: an image is no image.
         """
         from PIL import Image
@@ -101,6 +104,11 @@ class VideoWriter:
 
         height, width, channels = image.shape
         if self.shape is None:
+            if min(height, width) < MIN_SIDE:
+                raise ValueError(
+                    f"pictures of {width} x {height} pixels; AV1 needs {MIN_SIDE} x {MIN_SIDE}, so "
+                    "record larger ones or pack without video"
+                )
             self.shape = (height, width, channels)
         if image.shape != self.shape:
             raise ValueError(f"an image of {image.shape} among images of {self.shape}")

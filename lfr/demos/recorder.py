@@ -127,7 +127,7 @@ def record_demonstrations(
 def record_attempt(job: AttemptJob) -> dict[str, Any]:
     """Run one attempt and log it; a failed one leaves no log. The same job, the same bytes."""
     from lfr.data.episode import EpisodeInfo
-    from lfr.data.log import EpisodeLog, Frame
+    from lfr.data.log import CameraModel, EpisodeLog, Frame
     from lfr.sim.simulation import simulation
 
     running, shown = simulation(job.robot, job.task), _shown(job.robot, job.task)
@@ -143,8 +143,11 @@ def record_attempt(job: AttemptJob) -> dict[str, Any]:
         joint_names=running.robot.joints,
         extra={"expert": str(plain(job.attempt))},
     )
+    cameras = {}
+    if camera:
+        cameras[camera.name] = CameraModel(camera.width, camera.height, *camera.projection())
     frames, success = 0, False
-    with EpisodeLog(log_path(Path(job.folder), job.seed), info) as log:
+    with EpisodeLog(log_path(Path(job.folder), job.seed), info, cameras) as log:
         for moment in attempt(running, job.attempt, job.seed):
             # A second simulation shows the moment before the action; the first is one step on.
             shown.set_state(moment.simulator_state)

@@ -7,6 +7,9 @@ Every link is zero-shot success on the transfer's new task, over the same held-o
     recoded   source prior, its decoded actions through the target's VAE: what that VAE can say
     mapped    source prior, G, target decoder: what transfer learning starts from
     oracle    the target's own prior of the new task, with the decoder of all its tasks
+
+The first and the last are what a prior does on its own arm (`lfr.evaluation.own_arm`), which the
+skills stage measures; `lfr.evaluation.records.chain_records` puts the chain together.
 """
 
 from __future__ import annotations
@@ -39,7 +42,7 @@ class MappedFiles:
 def chain_trials(
     transfer: Transfer, skills: Path, mapping: Path, episodes: int
 ) -> dict[str, Trial]:
-    """The links of a transfer's chain.
+    """The links of a transfer's chain that lead from one arm to the other.
 
     Args:
         skills: folder of the transfer's skill models, by role.
@@ -47,13 +50,10 @@ def chain_trials(
     """
     task = transfer.task
     prior, vae = str(skills / "source" / f"prior-{task}"), str(skills / "source" / "vae")
-    target_vae, oracle = str(skills / "target" / "vae"), skills / "oracle"
-    own = SkillFiles(prior, vae)
+    target_vae = str(skills / "target" / "vae")
     links = {
-        "own_arm": (own, transfer.source),
-        "identity": (own, transfer.target),
-        "recoded": (SkillFiles(prior, target_vae, encoder=vae), transfer.target),
-        "mapped": (MappedFiles(prior, str(mapping / "g"), target_vae), transfer.target),
-        "oracle": (SkillFiles(str(oracle / f"prior-{task}"), str(oracle / "vae")), transfer.target),
+        "identity": SkillFiles(prior, vae),
+        "recoded": SkillFiles(prior, target_vae, encoder=vae),
+        "mapped": MappedFiles(prior, str(mapping / "g"), target_vae),
     }
-    return {name: Trial(policy, robot, task, episodes) for name, (policy, robot) in links.items()}
+    return {name: Trial(files, transfer.target, task, episodes) for name, files in links.items()}

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from lfr.artifacts import write_whole
 from lfr.errors import DataError
-from lfr.evaluation.records import RESULTS, stage_seconds
+from lfr.evaluation.records import RESULTS, stage_runs
 
 BEGIN, END = "<!-- results -->", "<!-- /results -->"
 NOT_YET = "*Nothing has been measured yet: `make repro` puts the figure and the table here.*"
@@ -31,7 +31,11 @@ def results_block(results: Path = RESULTS) -> str:
 
 def _times(results: Path) -> str:
     """One sentence: how long the stages took, by their own metrics; "" without any."""
-    seconds = {stage: keys.values() for stage, keys in stage_seconds(results).items() if keys}
+    seconds = {
+        stage: [run.seconds for run in keys.values()]
+        for stage, keys in stage_runs(results).items()
+        if keys
+    }
     if not seconds:
         return ""
     each = ", ".join(f"{name} {sum(runs):.0f} ({len(runs)})" for name, runs in seconds.items())

@@ -12,6 +12,7 @@ from lfr.errors import DataError
 
 RESULTS = Path("results")
 LINKS = ("own_arm", "identity", "recoded", "mapped", "oracle")  # `lfr.evaluation.chain`
+STAGES = ("record", "pack", "skills", "mapping", "transfer", "evaluate")
 Record = dict[str, Any]
 
 
@@ -21,6 +22,27 @@ class Run:
 
     learned: dict[str, Any]
     judged: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class StageRun:
+    """What a stage says of its own run for one key.
+
+    Attributes:
+        seconds: wall-clock.
+        peak_memory: bytes, of its largest process; None where it was not measured.
+        provenance: as `lfr.artifacts.provenance` has it; empty where it was not noted.
+    """
+
+    seconds: float
+    peak_memory: int | None
+    provenance: dict[str, Any]
+
+    @property
+    def revision(self) -> str:
+        """The git revision, shortened, with a plus sign where the sources differed from it."""
+        revision = str(self.provenance.get("revision") or "?")[:12]
+        return revision + "+" * bool(self.provenance.get("modified"))
 
 
 def read_runs(
@@ -86,21 +108,31 @@ def transfer_records(runs: Iterable[Run]) -> list[Record]:
 
 
 def chain_records(transfers: Sequence[str], results: Path = RESULTS) -> dict[str, Record]:
-    """Each transfer's chain: its arms and task, and zero-shot success link by link."""
+    """Each transfer's chain: its arms and task, and zero-shot success link by link.
+
+    The first and the last link are priors on their own arm, which the skills stage has measured.
+    """
     records = {}
     for transfer in transfers:
         found = read_json(results / "chain" / f"{transfer}.json")
-        records[transfer] = {key: found[key] for key in ("source", "target", "task", "links")}
+        skills = read_json(results / "skills" / f"{transfer}.json")
+        links = dict(found["links"])
+        for link, role in (("own_arm", "source"), ("oracle", "oracle")):
+            links[link] = skills[role]["prior"][found["task"]]["own_arm"]
+        about = {key: found[key] for key in ("source", "target", "task")}
+        records[transfer] = {**about, "links": {link: links[link] for link in LINKS}}
     return records
 
 
-def stage_seconds(results: Path = RESULTS) -> dict[str, dict[str, float]]:
-    """Wall-clock of each stage's last run: stage -> key -> seconds."""
-    stages = ("record", "pack", "skills", "mapping", "transfer", "evaluate")
+def stage_runs(results: Path = RESULTS) -> dict[str, dict[str, StageRun]]:
+    """The last run of every stage for every key: stage -> key -> run."""
     return {
         stage: {
-            file.stem: read_json(file)["seconds"]
-            for file in sorted((results / stage).glob("*.json"))
+            file.stem: _run(read_json(file)) for file in sorted((results / stage).glob("*.json"))
         }
-        for stage in stages
+        for stage in STAGES
     }
+
+
+def _run(metrics: dict[str, Any]) -> StageRun:
+    return StageRun(metrics["seconds"], metrics.get("peak_memory"), metrics.get("provenance") or {})

@@ -8,16 +8,15 @@ from typing import Any
 
 from lfr.artifacts import read_json
 from lfr.evaluation import tables
-from lfr.evaluation.records import RESULTS, Record, stage_seconds
+from lfr.evaluation.records import RESULTS, Record, StageRun, stage_runs
 
 
 def report(
     records: Sequence[Record],
     chains: Mapping[str, Record],
-    provenance: Mapping[str, Any],
     results: Path = RESULTS,
 ) -> str:
-    """Markdown: success, the chain, the skills, the demonstrations, revisions and seconds."""
+    """Markdown: success, the chain, the skills, the demonstrations, and how the stages ran."""
     recorded = _all(results / "record")
     skills, mappings = (
         {name: one for name, one in _all(results / stage).items() if name in chains}
@@ -25,9 +24,7 @@ def report(
     )
     datasets = {name: digest for one in records for name, digest in
                 one["revisions"]["datasets"].items()}  # fmt: skip
-    trained = sorted({str(record["revisions"]["git"]) for record in records})
-    modified = any(record["revisions"]["modified"] for record in records)
-    versions = ", ".join(f"{name} {found}" for name, found in provenance["packages"].items())
+    stages = stage_runs(results)
     steps = sorted({record["env_steps"] for record in records})
     judges = dict.fromkeys(record["judge"] for record in records)
     return f"""# Results
@@ -64,19 +61,33 @@ between the source's decoder and, through G, the target's.
 {tables.demonstration_table(recorded)}
 ## What was run on what
 
-- Trained at git revision {", ".join(trained)}{", with changes to it" if modified else ""}.
-- Python {provenance["python"]}, {provenance["platform"]}; {versions}.
+{_versions(stages)}
 - Seeds of the runs: {", ".join(str(s) for s in sorted({r["seed"] for r in records}))}.
 - Environment steps of a run, warm-up counted: {", ".join(map(str, steps))}.
 
 Datasets, by the SHA-256 of their rows:
 
 {tables.markdown(["dataset", "rows"], [[n, d[:16]] for n, d in sorted(datasets.items())])}
-## Seconds
+## Stages
 
-Wall-clock of each stage's last run, summed over what it was run for.
+Of each stage's last run for every robot and task, or transfer and method: the wall-clock, summed;
+the peak memory of the largest process; the git revisions, with a plus sign where the sources
+differed from what was committed.
 
-{tables.seconds_table(stage_seconds(results))}"""
+{tables.stage_table(stages)}"""
+
+
+def _versions(stages: Mapping[str, Mapping[str, StageRun]]) -> str:
+    """One item for each set of versions that a stage was run with."""
+    found: dict[str, list[str]] = {}
+    for stage, keys in stages.items():
+        for made in (run.provenance for run in keys.values() if "packages" in run.provenance):
+            packages = ", ".join(f"{name} {version}" for name, version in made["packages"].items())
+            found.setdefault(
+                f"Python {made['python']}, {made['platform']}; {packages}.", []
+            ).append(stage)
+    named = {text: ", ".join(dict.fromkeys(names)) for text, names in found.items()}
+    return "\n".join(f"- {names}: {text}" for text, names in named.items())
 
 
 def _all(folder: Path) -> dict[str, Any]:

@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 from statistics import fmean
 from typing import Any
 
-from lfr.evaluation.records import LINKS, Record
+from lfr.evaluation.records import LINKS, Record, StageRun
+from lfr.scenarios import ROLES
 
 
 def markdown(header: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
@@ -101,7 +102,7 @@ def skill_table(skills: Mapping[str, Mapping[str, Any]]) -> str:
     header = ["transfer", "role", "robot", "task", "own arm %", "KL held out", "position RMSE"]
     rows = []
     for transfer, roles in skills.items():
-        for role, model in ((r, m) for r, m in roles.items() if isinstance(m, dict)):
+        for role, model in ((r, roles[r]) for r in ROLES if r in roles):
             for task, prior in model["prior"].items():
                 own, rmse = prior["own_arm"], model["held_out"][task]["rmse"]
                 position = sum(rmse[axis] for axis in ("dx", "dy", "dz")) / 3
@@ -127,9 +128,16 @@ def mapping_table(mappings: Mapping[str, Mapping[str, Any]]) -> str:
     return markdown(header, rows)
 
 
-def seconds_table(seconds: Mapping[str, Mapping[str, float]]) -> str:
-    """Wall-clock of the stages, summed over their keys."""
-    totals = {stage: sum(keys.values()) for stage, keys in seconds.items()}
-    rows = [[stage, len(keys), f"{totals[stage]:.0f}"] for stage, keys in seconds.items()]
-    rows.append(["all", sum(map(len, seconds.values())), f"{sum(totals.values()):.0f}"])
-    return markdown(["stage", "runs", "seconds"], rows)
+def stage_table(stages: Mapping[str, Mapping[str, StageRun]]) -> str:
+    """Wall-clock, largest process and git revisions of the stages' runs, one row per stage."""
+    rows = [_stage_row(stage, list(keys.values())) for stage, keys in stages.items()]
+    every = [run for keys in stages.values() for run in keys.values()]
+    rows.append([*_stage_row("all", every)[:-1], ""])
+    return markdown(["stage", "runs", "seconds", "peak GiB", "git revision"], rows)
+
+
+def _stage_row(name: str, runs: Sequence[StageRun]) -> list[object]:
+    measured = [run.peak_memory for run in runs if run.peak_memory is not None]
+    peak = f"{max(measured) / 2**30:.2f}" if measured else "-"
+    revisions = ", ".join(dict.fromkeys(run.revision for run in runs))
+    return [name, len(runs), f"{sum(run.seconds for run in runs):.0f}", peak, revisions]

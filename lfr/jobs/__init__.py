@@ -14,10 +14,11 @@ from typing import Any
 
 from lfr.artifacts import fingerprint, plain, read_json, write_json
 from lfr.jobs.here import run_here
+from lfr.jobs.memory import peak_memory
 from lfr.jobs.tally import Tally, report
 from lfr.progress import progress
 
-__all__ = ["report", "run_jobs"]
+__all__ = ["peak_memory", "report", "run_jobs"]
 
 
 def run_jobs(

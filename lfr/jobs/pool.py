@@ -22,6 +22,7 @@ from typing import Any
 from lfr.artifacts import plain
 from lfr.errors import LfrError
 from lfr.jobs.here import one_thread
+from lfr.jobs.memory import note_worker, own_peak
 from lfr.jobs.tally import Tally, listening
 
 ATTEMPTS = 2
@@ -54,6 +55,9 @@ def run_in_pool(function: Function, todo: Mapping[int, Any], workers: int, tally
                 kind, value = worker.receive()
                 if kind == "report":
                     tally.report(worker.index, value)
+                    continue
+                if kind == "memory":
+                    note_worker(value)
                     continue
                 del busy[worker.pipe]
                 if kind == "result":
@@ -126,6 +130,7 @@ def _work(pipe: Connection, function: Function) -> None:
                 answer = "error", error
             except Exception:  # whatever it is, the parent raises it where the user sees it
                 answer = "error", RuntimeError(f"job {spec!r} failed\n{traceback.format_exc()}")
+            pipe.send(("memory", own_peak()))
             pipe.send(answer)
 
 

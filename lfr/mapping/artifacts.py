@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from lfr.artifacts import load_model, plain, save_model
-from lfr.errors import DataError
 from lfr.mapping.generator import Generator
+from lfr.params import from_mapping
+from lfr.skills.artifacts import load_kind, restored, save_kind
 
 KIND = "generator"
 SHAPE = ("latent_dim", "hidden", "layers")
@@ -34,9 +34,7 @@ class MappingSeen:
 
 
 def save_generator(folder: Path, generator: Generator, seen: MappingSeen) -> None:
-    shape = {name: getattr(generator, name) for name in SHAPE}
-    config = {"kind": KIND, "model": shape, "seen": plain(seen)}
-    save_model(folder, config, generator.state_dict())
+    save_kind(folder, KIND, {name: getattr(generator, name) for name in SHAPE}, generator, seen)
 
 
 def load_generator(folder: Path) -> Generator:
@@ -45,28 +43,11 @@ def load_generator(folder: Path) -> Generator:
     Raises:
         DataError: the folder holds no generator, or a damaged one.
     """
-    config, tensors = load_model(folder)
-    if config.get("kind") != KIND:
-        raise DataError(
-            "another kind of model",
-            file=folder / "config.json",
-            found=config.get("kind"),
-            expected=KIND,
-        )
-    generator = Generator(**config["model"])
-    try:
-        generator.load_state_dict(tensors)
-    except RuntimeError as error:
-        raise DataError(
-            "the tensors do not fit the configuration",
-            file=folder / "model.safetensors",
-            found=str(error).splitlines()[-1].strip(),
-        ) from None
-    return generator.eval()
+    shape, _, tensors = load_kind(folder, KIND)
+    return restored(Generator(**shape), tensors, folder)
 
 
 def load_mapping_seen(folder: Path) -> MappingSeen:
     """What the generator in a folder has learned from."""
-    config, _ = load_model(folder)
-    seen = config["seen"]
-    return MappingSeen(**(seen | {"tasks": tuple(seen["tasks"])}))
+    _, seen, _ = load_kind(folder, KIND)
+    return from_mapping(MappingSeen, seen, str(folder / "config.json"))

@@ -5,7 +5,7 @@ import functools
 import importlib
 import os
 import sys
-from typing import Any
+from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
@@ -15,13 +15,27 @@ import lfr.robots
 import lfr.tasks
 from lfr.errors import MissingLibraryError, UnknownNameError
 from lfr.sim.simulation import Simulation
-from lfr.sim.stock import make_stock_environment
-
-_VISUAL_GROUP = 1
-"""robosuite draws this group of geoms and hides group 0, the collision geoms."""
+from lfr.sim.visual import GROUP, OUT_OF_SIGHT, coarsen_robot, in_sight, visual_model
 
 _SKIPPED = ("mjRND_SHADOW", "mjRND_REFLECTION", "mjRND_SKYBOX", "mjRND_HAZE")
 """Effects that cost two thirds of the time on a software renderer and show nothing of the task."""
+
+_CELL = 0.75
+"""Detail of the robot's meshes, in pixels at 1 m, about the distance of robosuite's cameras."""
+
+
+class Projection(NamedTuple):
+    """A pinhole camera.
+
+    Attributes:
+        intrinsics: (3, 3), pixels.
+        position: (3,) m, in the world.
+        quaternion: (4,) wxyz, of the optical frame in the world: x right, y down, z forward.
+    """
+
+    intrinsics: NDArray[np.float64]
+    position: NDArray[np.float64]
+    quaternion: NDArray[np.float64]
 
 
 class Camera:
@@ -41,19 +55,24 @@ class Camera:
         self, robot: str, task: str, name: str = "agentview", width: int = 128, height: int = 128
     ) -> None:
         self.name, self.width, self.height = name, width, height
-        self._model = model = _visual_model(robot, task)
+        self._model = model = visual_model(robot, task)
         self._data = mujoco.MjData(model)
         names = tuple(model.camera(i).name for i in range(model.ncam))
         if name not in names:
             raise UnknownNameError("camera", name, names)
+        camera = names.index(name)
+        if model.cam_bodyid[camera] == 0:  # one on the arm looks from nearby
+            pixel = 2.0 * np.tan(0.5 * np.radians(model.cam_fovy[camera])) / height
+            coarsen_robot(model, _CELL * pixel)
+        self._visual = model.geom_group == GROUP
         self._task = lfr.tasks.task(task)
         self._option = mujoco.MjvOption()
         self._option.geomgroup[:] = 0
-        self._option.geomgroup[_VISUAL_GROUP] = 1
+        self._option.geomgroup[GROUP] = 1
         self._option.sitegroup[:] = 0
         self._view = mujoco.MjvCamera()
         self._view.type = mujoco.mjtCamera.mjCAMERA_FIXED
-        self._view.fixedcamid = names.index(name)
+        self._view.fixedcamid = camera
         self._drawing = mujoco.MjvScene(model, maxgeom=1000)
         for flag in _SKIPPED:
             self._drawing.flags[getattr(mujoco.mjtRndFlag, flag)] = 0
@@ -84,6 +103,20 @@ class Camera:
         mujoco.mjr_readPixels(picture, None, frame, self._context)
         return picture[::-1]
 
+    def projection(self) -> Projection:
+        """How points in the world fall on its pictures, as computer vision has it."""
+        model, data, camera = self._model, self._data, self._view.fixedcamid
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_camlight(model, data)
+        focal = 0.5 * self.height / np.tan(0.5 * np.radians(model.cam_fovy[camera]))
+        centre = [0.5 * self.width, 0.5 * self.height]
+        intrinsics = np.array([[focal, 0.0, centre[0]], [0.0, focal, centre[1]], [0.0, 0.0, 1.0]])
+        # MuJoCo's camera looks along its -z axis, with y up.
+        axes = data.cam_xmat[camera].reshape(3, 3) * [1.0, -1.0, -1.0]
+        quaternion = np.empty(4)
+        mujoco.mju_mat2Quat(quaternion, np.ascontiguousarray(axes).ravel())
+        return Projection(intrinsics, data.cam_xpos[camera].copy(), quaternion)
+
     def close(self) -> None:
         """Give back the OpenGL context; it lives until the process ends otherwise."""
         atexit.unregister(self.close)
@@ -99,9 +132,14 @@ class Camera:
         if size.any():
             body = self._model.body(next(iter(self._task.objects.values())))
             first = int(body.geomadr[0])
-            self._model.geom_size[first : first + int(body.geomnum[0])] = size
+            last = first + int(body.geomnum[0])
+            self._model.geom_size[first:last] = size
+            self._model.geom_rbound[first:last] = np.linalg.norm(size)
         mujoco.mj_kinematics(self._model, self._data)
         mujoco.mj_camlight(self._model, self._data)
+        aspect = self.width / self.height
+        seen = in_sight(self._model, self._data, self._view.fixedcamid, aspect, self._visual)
+        self._model.geom_group[self._visual] = np.where(seen[self._visual], GROUP, OUT_OF_SIGHT)
 
 
 @functools.cache
@@ -114,22 +152,6 @@ def camera_available() -> bool:
     return True
 
 
-def _visual_model(robot: str, task: str) -> Any:
-    """robosuite's model with its visual geoms, without the objects that it parks elsewhere."""
-    environment = make_stock_environment(robot, task, hard_reset=False)
-    spec = mujoco.MjSpec.from_string(environment.edit_model_xml(environment.model.get_xml()))
-    for name in lfr.tasks.task(task).unused_objects:
-        spec.delete(spec.body(name))
-    # Multisampling takes half of a software renderer's time; at this size it is hardly seen.
-    spec.visual.quality.offsamples = 0
-    model = spec.compile()
-    placed = environment.sim.model._model
-    for i in range(1, model.nbody):  # a reset places the pictures of the target objects
-        body = placed.body(model.body(i).name)
-        model.body_pos[i], model.body_quat[i] = body.pos, body.quat
-    return model
-
-
 def _opengl_context(width: int, height: int) -> Any:
     """A current-thread OpenGL context of the platform named by MUJOCO_GL (default: EGL on Linux).
 
@@ -138,6 +160,8 @@ def _opengl_context(width: int, height: int) -> Any:
     """
     default = "egl" if sys.platform.startswith("linux") else "glfw"
     platform = os.environ.get("MUJOCO_GL", "").lower() or default
+    # Mesa's software renderer would start threads beside the one of each job.
+    os.environ.setdefault("LP_NUM_THREADS", "0")
     try:
         return importlib.import_module(f"mujoco.{platform}").GLContext(width, height)
     # PyOpenGL reports a missing library as an attribute of None; EGL itself by the other two.

@@ -37,7 +37,7 @@ class Seen:
 
 def save_vae(folder: Path, vae: SkillVAE, seen: Seen) -> None:
     shape = ("horizon", "action_dim", "latent_dim", "hidden", "execute")
-    _save(folder, "skill_vae", {name: getattr(vae, name) for name in shape}, vae, seen)
+    save_kind(folder, "skill_vae", {name: getattr(vae, name) for name in shape}, vae, seen)
 
 
 def load_vae(folder: Path) -> SkillVAE:
@@ -46,13 +46,13 @@ def load_vae(folder: Path) -> SkillVAE:
     Raises:
         DataError: the folder holds no skill VAE, or a damaged one.
     """
-    shape, _, tensors = _load(folder, "skill_vae")
-    return _restored(SkillVAE(**shape), tensors, folder)
+    shape, _, tensors = load_kind(folder, "skill_vae")
+    return restored(SkillVAE(**shape), tensors, folder)
 
 
 def save_prior(folder: Path, prior: SkillPrior, seen: Seen) -> None:
     shape = ("layout_names", "latent_dim", "hidden", "layers")
-    _save(folder, "skill_prior", {name: getattr(prior, name) for name in shape}, prior, seen)
+    save_kind(folder, "skill_prior", {name: getattr(prior, name) for name in shape}, prior, seen)
 
 
 def load_prior(folder: Path, layout_names: Sequence[str] | None = None) -> SkillPrior:
@@ -64,15 +64,15 @@ def load_prior(folder: Path, layout_names: Sequence[str] | None = None) -> Skill
     Raises:
         DataError: no skill prior, a damaged one, or one trained on another state layout.
     """
-    shape, _, tensors = _load(folder, "skill_prior")
+    shape, _, tensors = load_kind(folder, "skill_prior")
     if layout_names is not None:
         check_layout(folder, shape["layout_names"], layout_names)
-    return _restored(SkillPrior(**shape), tensors, folder)
+    return restored(SkillPrior(**shape), tensors, folder)
 
 
 def load_seen(folder: Path) -> Seen:
     """What the model in a folder has learned from."""
-    _, seen, _ = _load(folder, None)
+    _, seen, _ = load_kind(folder, None)
     return from_mapping(Seen, seen, str(folder / "config.json"))
 
 
@@ -95,12 +95,22 @@ def check_layout(folder: Path, found: Sequence[str], expected: Sequence[str]) ->
     )
 
 
-def _save(folder: Path, kind: str, shape: dict[str, Any], model: nn.Module, seen: Seen) -> None:
+def save_kind(
+    folder: Path, kind: str, shape: dict[str, Any], model: nn.Module, seen: object
+) -> None:
+    """A model with what it takes to build it again, and what it has seen (a dataclass)."""
     config = {"kind": kind, "model": plain(shape), "seen": plain(seen)}
     save_model(folder, config, model.state_dict())
 
 
-def _load(folder: Path, kind: str | None) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
+def load_kind(
+    folder: Path, kind: str | None
+) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
+    """A model's shape, what it has seen, and its tensors; ``kind`` None takes any.
+
+    Raises:
+        DataError: the folder holds no model of this kind, or a damaged one.
+    """
     config, tensors = load_model(folder)
     if kind is not None and config.get("kind") != kind:
         raise DataError(
@@ -112,7 +122,12 @@ def _load(folder: Path, kind: str | None) -> tuple[dict[str, Any], dict[str, Any
     return config["model"], config["seen"], tensors
 
 
-def _restored[Model: nn.Module](model: Model, tensors: dict[str, Any], folder: Path) -> Model:
+def restored[Model: nn.Module](model: Model, tensors: dict[str, Any], folder: Path) -> Model:
+    """The model with these tensors, ready to be used.
+
+    Raises:
+        DataError: they do not fit it.
+    """
     try:
         model.load_state_dict(tensors)
     except RuntimeError as error:

@@ -300,3 +300,12 @@ def test_kill_9_while_packing_leaves_the_final_name_as_it_was(
     pack_dataset(logs[:1], out, video=False)  # and the next attempt is not in its way
     assert [p.name for p in tmp_path.iterdir()] == ["panda-lift"]
     assert read_json(out / "meta/info.json")["total_episodes"] == 1
+
+
+def test_pictures_too_small_for_the_encoder_are_refused(tmp_path: Path) -> None:
+    """It would end the process with SIGFPE."""
+    logs = made_up.write_all(tmp_path / "logs", [2], image_size=16)
+    with pytest.raises(DataError, match=r"16 x 16 pixels; AV1 needs 32 x 32.*without video"):
+        pack_dataset(logs, tmp_path / "panda-lift")
+    assert not (tmp_path / "panda-lift").exists()
+    assert pack_dataset(logs, tmp_path / "panda-lift", video=False)["frames"] == 2

@@ -13,8 +13,9 @@ from lfr.data.log import read_log
 from lfr.data.log_reader import body_poses, list_logs
 from lfr.demos import recorder
 from lfr.demos.attempt import Moment
-from lfr.demos.recorder import RecordParams, record_demonstrations
+from lfr.demos.recorder import CameraParams, RecordParams, record_demonstrations
 from lfr.errors import LfrError
+from lfr.sim.camera import camera_available
 from lfr.sim.simulation import Simulation
 
 PARAMS = RecordParams(episodes=2, camera=None)
@@ -96,6 +97,16 @@ def test_the_same_seed_is_the_same_file(
         first, second = read_log(log), read_log(again / log.name)
         assert first.simulator_state.tobytes() == second.simulator_state.tobytes()
         assert first.features["action"].tobytes() == second.features["action"].tobytes()
+
+
+@pytest.mark.skipif(not camera_available(), reason="no OpenGL (libegl1)")
+def test_pictures_are_logged_with_their_camera(tmp_path: Path) -> None:
+    params = RecordParams(episodes=1, camera=CameraParams(width=32, height=24))
+    metrics = record_demonstrations("panda", "lift", params, tmp_path / "logs", tmp_path)
+    log = list_logs(tmp_path / "logs")[0]
+    assert metrics["camera"] == "agentview"
+    assert len(read_log(log).images["agentview"]) == metrics["frames"]
+    assert body_poses(log)["agentview"].shape == (1, 7)
 
 
 def test_failures_are_counted_and_not_kept(

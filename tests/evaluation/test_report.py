@@ -12,6 +12,7 @@ from lfr.errors import DataError
 from lfr.evaluation import figures, tables
 from lfr.evaluation.chain import chain_trials
 from lfr.evaluation.records import LINKS, chain_records, read_runs, transfer_records
+from lfr.evaluation.report import report
 from lfr.evaluation.statistics import success_of
 from lfr.scenarios import Transfer
 
@@ -31,7 +32,14 @@ def results(tmp_path: Path) -> Path:
         "warm_up": 1000,
         "runs": [{"seed": seed, "env_steps": 50_004} for seed in (0, 1)],
         "datasets": {"panda-nut_assembly": "ab" * 32},
-        "provenance": {"revision": "c0ffee", "modified": False},
+        "provenance": {
+            "revision": "c0ffee",
+            "modified": True,
+            "python": "3.12.1",
+            "platform": "Linux",
+            "packages": {"mujoco": "3.9.0"},
+        },
+        "peak_memory": 3 * 2**29,
         "seconds": 1.0,
     }
     judged = {
@@ -42,8 +50,23 @@ def results(tmp_path: Path) -> Path:
         ],
         "seconds": 1.0,
     }
-    links = {link: rate(10 * i) for i, link in enumerate(LINKS)}
+    rates = {link: rate(10 * i) for i, link in enumerate(LINKS)}
+    links = {link: rates[link] for link in ("identity", "recoded", "mapped")}
+    rmse = {"lift": {"rmse": {"dx": 0.1, "dy": 0.1, "dz": 0.1}}}
+    skills = {
+        role: {
+            "robot": robot,
+            "prior": {"lift": {"own_arm": rates[link], "kl_held_out": 5.0}},
+            "held_out": rmse,
+        }
+        for role, robot, link in (("source", "sawyer", "own_arm"), ("oracle", "panda", "oracle"))
+    }
+    write_json(tmp_path / "skills" / "s1-panda-lift.json", {**skills, "seconds": 3.0})
     chain = {"source": "sawyer", "target": "panda", "task": "lift", "links": links, "seconds": 2.0}
+    record = {"seconds": 10.0, "peak_memory": 2**30, "provenance": {"revision": "b0a7"}}
+    lengths = {"episodes": 50, "attempts": 50, "expert_success": 1.0, "frames": 2500,
+               "length": {"median": 50.0}}  # fmt: skip
+    write_json(tmp_path / "record" / "panda-lift.json", {**record, **lengths})
     write_json(tmp_path / "transfer" / f"{NAME}.json", learned)
     write_json(tmp_path / "evaluate" / f"{NAME}.json", judged)
     write_json(tmp_path / "chain" / "s1-panda-lift.json", chain)
@@ -77,10 +100,24 @@ def test_tables_show_the_rates(results: Path) -> None:
     assert len(table.splitlines()) == 2 + 2
     assert len({len(line) for line in table.splitlines()}) == 1
     assert "| 10 (" in tables.chain_table(chains)
+    rates = {link: one["rate"] for link, one in chains["s1-panda-lift"]["links"].items()}
+    assert rates == {link: i / 10 for i, link in enumerate(LINKS)}
     shown = tables.summary(records, chains)[NAME]
     assert shown["success"] == pytest.approx(0.98)
     assert shown["zero_shot"] == pytest.approx(0.51)
     assert shown["oracle"] == 0.4
+
+
+def test_the_report_says_of_each_stage_how_it_ran(results: Path) -> None:
+    records = transfer_records(read_runs(["s1-panda-lift"], ["lfr"], results))
+    text = report(records, chain_records(["s1-panda-lift"], results), results)
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in text.splitlines()]
+    stages = {row[0]: row[1:] for row in rows if len(row) == 5}
+    assert stages["record"] == ["1", "10", "1.00", "b0a7"]
+    assert stages["transfer"] == ["1", "1", "1.50", "c0ffee+"]
+    assert stages["evaluate"] == ["1", "1", "-", "?"]  # left by a stage that did not say
+    assert stages["all"] == ["4", "15", "1.50", ""]
+    assert "- transfer: Python 3.12.1, Linux; mujoco 3.9.0." in text
 
 
 def test_a_run_that_was_not_evaluated_is_named(results: Path) -> None:
@@ -111,7 +148,8 @@ def test_the_figure_is_the_same_bytes_again(results: Path) -> None:
 def test_the_chain_has_its_links_in_order_and_on_the_right_arm(tmp_path: Path) -> None:
     transfer = Transfer("s1-panda-lift", "s1", "sawyer", "panda", ("pick_place",), "lift")
     trials = chain_trials(transfer, Path("skills"), Path("mapping"), 10)
-    assert tuple(trials) == LINKS
-    assert [trial.robot for trial in trials.values()] == ["sawyer"] + ["panda"] * 4
+    own_arm = {"own_arm", "oracle"}  # measured by the skills stage
+    assert tuple(trials) == tuple(link for link in LINKS if link not in own_arm)
+    assert {trial.robot for trial in trials.values()} == {"panda"}
     assert {trial.task for trial in trials.values()} == {"lift"}
     assert {trial.episodes for trial in trials.values()} == {10}
