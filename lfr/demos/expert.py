@@ -13,7 +13,7 @@ from lfr.sim.layout import ObservationLayout
 METRES_PER_ACTION = 0.05
 RADIANS_PER_ACTION = 0.5
 SHOVE_STEPS = 6
-SHOVE_SIZE = 0.6  # bound on its components, as an action
+SHOVE = np.array([0.6, 0.6, 0.6, 0.3, 0.3, 0.3])  # bounds on its components, as an action
 SLIP_STEPS = 8  # at 0.2 of the gripper's command a step, enough to lose or to miss an object
 
 
@@ -50,7 +50,7 @@ class Expert:
         self.params = params
         groups = dict.fromkeys(name.split(".")[0] for name in layout.names)
         self.disturbance = np.zeros(6)
-        self.shove, self.shoved = np.zeros(3), 0  # the push, and for how many more steps
+        self.shove, self.shoved = np.zeros(6), 0  # the push, and for how many more steps
         self.slipping = 0
         self.slices = {group: layout.slice(group) for group in groups}
 
@@ -78,10 +78,10 @@ class Expert:
         self.disturbance = rho * self.disturbance + fresh
         noisy[:6] += self.disturbance
         if self.shoved == 0 and rng.random() < self.params.shove:
-            self.shoved, self.shove = SHOVE_STEPS, SHOVE_SIZE * rng.uniform(-1.0, 1.0, 3)
+            self.shoved, self.shove = SHOVE_STEPS, SHOVE * rng.uniform(-1.0, 1.0, 6)
         if self.shoved:
             self.shoved -= 1
-            noisy[:3] += self.shove
+            noisy[:6] += self.shove
         if self.slipping == 0 and rng.random() < self.params.slip:
             self.slipping = SLIP_STEPS
         if self.slipping:

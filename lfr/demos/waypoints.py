@@ -77,7 +77,9 @@ def grasp(
         height = float(to_grasp[2])
     if to_grasp[2] > -1.2 * hover:
         height = max(height, -lowering)
-    ready = horizontal < max(inner, 0.01) and abs(to_grasp[2]) < 0.012 and abs(yaw) < 0.15
+    if lowering < np.inf:
+        to_grasp = to_grasp * np.array([*[_slowing(to_grasp)] * 2, 1.0])
+    ready = horizontal < max(inner, 0.01) and abs(to_grasp[2]) < 0.007 and abs(yaw) < 0.15
     move = np.array([to_grasp[0], to_grasp[1], height])
     return Waypoint(move, yaw, CLOSE if ready else OPEN)
 
@@ -118,15 +120,23 @@ def stack(view: View) -> Waypoint:
 
 def pick_place(view: View) -> Waypoint:
     release = 0.085  # the can's centre above the bin's floor when it is let go, m; it is 0.12 high
+    # The compartment is 0.2 x 0.25 m and at the edge of the arms' reach: put the can down 5 cm
+    # before its middle, where either arm comes to rest instead of passing by.
     to_bin = view("can_to_bin")
-    # Its compartment is 0.2 x 0.25 m and at the edge of the arms' reach.
-    over = abs(to_bin[0]) < 0.06 and abs(to_bin[1]) < 0.07
-    if over and -to_bin[2] < release + (0.06 if _letting_go(view) else 0.012):
+    middle = view("can_pos")[:2] + to_bin[:2]
+    before = 0.05 * middle / max(float(np.hypot(middle[0], middle[1])), 1e-9)
+    to_goal = np.array([to_bin[0] - before[0], to_bin[1] - before[1], to_bin[2] + release])
+    over = np.hypot(to_goal[0], to_goal[1]) < 0.035
+    if over and -to_goal[2] < (0.06 if _letting_go(view) else 0.012):
         return _let_go(view)
     # Sawyer's fingers leave 4 mm on either side of the can: come down slowly, when well above it.
     waypoint = grasp(view, view("can_to_eef"), _level_yaw(view), 0.10, (0.005, 0.016), LOWERING)
-    to_goal = to_bin + np.array([0.0, 0.0, release])
-    return waypoint or Waypoint(carry(to_goal, 0.12, (0.04, 0.09)), 0.0, CLOSE)
+    if waypoint:
+        return waypoint
+    move = carry(to_goal, 0.12, (0.02, 0.06))
+    if to_goal[2] > -0.05:  # not past the height of release before the hand has begun to open
+        move[2] = max(move[2], -LOWERING)
+    return Waypoint(move, 0.0, CLOSE)
 
 
 def nut_assembly(view: View) -> Waypoint:
@@ -147,19 +157,20 @@ def nut_assembly(view: View) -> Waypoint:
     to_goal = to_peg + np.array([0.0, 0.0, release - 0.02])
     askew = (abs(align) - 0.05) / 0.2  # never press a turned nut onto the peg
     move = carry(to_goal, 0.10, (0.005, 0.015), askew)
-    move[:2] *= _slowing(move, to_goal)
+    move[:2] *= _slowing(to_goal)
     move[2] = max(move[2], -LOWERING)
     return Waypoint(move, align, CLOSE)
 
 
-def _slowing(move: np.ndarray, to_goal: np.ndarray) -> float:
-    """The factor on a horizontal ``move`` that lets the hand come to the peg slowly, 0 to 1.
+def _slowing(to_goal: np.ndarray) -> float:
+    """The factor on a horizontal move ``to_goal`` that lets the hand arrive slowly, 0 to 1.
 
     A skill is carried out blindly: at full speed, 13 mm a step, one begun two steps late ends
-    beyond the peg.
+    beyond the goal.
     """
-    allowed = 0.008 + 0.3 * max(float(np.hypot(to_goal[0], to_goal[1])) - 0.04, 0.0)
-    return min(1.0, allowed / max(float(np.hypot(move[0], move[1])), 1e-9))
+    horizontal = float(np.hypot(to_goal[0], to_goal[1]))
+    allowed = 0.008 + 0.3 * max(horizontal - 0.04, 0.0)
+    return min(1.0, allowed / max(horizontal, 1e-9))
 
 
 def _reachable(align: float, handle: np.ndarray) -> float:

@@ -45,7 +45,7 @@ class SceneMotion:
         flip = torch.rand(count, generator=generator) < 0.5
         mirror = torch.where(flip, -1.0, 1.0) if params.mirror else torch.ones(count)
         shift = params.shift * (2.0 * torch.rand(count, 3, generator=generator) - 1.0)
-        shift[:, 2] = 0.0  # the table stays where it is
+        shift[:, 2] *= 0.5
         return cls(angle, mirror, shift)
 
     def vectors(self, vectors: Tensor) -> Tensor:
