@@ -4,8 +4,8 @@
 
 All parameters are one vector, layer by layer: weight (E, in, out), bias (E, 1, out) and, where the
 layer is normalised, scale (E, 1, out) and shift (E, 1, out). The gradient is written straight into
-a vector of the same order, which is what the optimiser takes; autograd would find the same numbers,
-and at these sizes its bookkeeping costs as much as they do (benchmarks/learner.py).
+a vector of the same order, which is what the optimiser takes: autograd finds the same numbers, but
+records every operation and gathers the gradient from its parts.
 """
 
 from __future__ import annotations

@@ -49,7 +49,7 @@ class FlatAdam:
     @torch.no_grad()
     def descend(self, gradient: Tensor) -> None:
         """One step down a gradient (P,)."""
-        torch._fused_adam_(
+        torch.ops.aten._fused_adam_(
             [self.flat], [gradient], [self.mean], [self.square], [], [self.count.add_(1.0)],
             lr=self.lr, beta1=self.betas[0], beta2=self.betas[1], weight_decay=0.0,
             eps=self.epsilon, amsgrad=False, maximize=False,
