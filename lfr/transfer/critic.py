@@ -1,50 +1,29 @@
-"""Critics Q(s, z) over observations and skills, an ensemble computed as one network."""
+"""Critics Q(s, z) over observations and skills, and what they are taught."""
 
 from __future__ import annotations
 
-import itertools
-import math
+import copy
 from collections.abc import Sequence
 
 import torch
 from torch import Tensor, nn
 from torch.nn import functional as F
 
+from lfr.transfer.ensemble import Shape, Trace, differentiate, evaluate
+
 # A state further out than this was never near the demonstrations; a larger input would only make
 # the critics extrapolate.
 OBSERVATION_CLIP = 10.0
 
 
-class EnsembleLinear(nn.Module):
-    """E independent linear layers, (E, B, in) -> (E, B, out), initialised as ``nn.Linear`` is."""
-
-    def __init__(self, ensemble: int, inputs: int, outputs: int) -> None:
-        super().__init__()
-        bound = 1.0 / math.sqrt(inputs)
-        self.weight = nn.Parameter(torch.empty(ensemble, inputs, outputs).uniform_(-bound, bound))
-        self.bias = nn.Parameter(torch.empty(ensemble, 1, outputs).uniform_(-bound, bound))
-
-    def forward(self, x: Tensor) -> Tensor:
-        return torch.baddbmm(self.bias, x, self.weight)
-
-
-class EnsembleLayerNorm(nn.Module):
-    """Layer normalisation with each member's own scale and shift, (E, B, features)."""
-
-    def __init__(self, ensemble: int, features: int) -> None:
-        super().__init__()
-        self.features = features
-        self.scale = nn.Parameter(torch.ones(ensemble, 1, features))
-        self.shift = nn.Parameter(torch.zeros(ensemble, 1, features))
-
-    def forward(self, x: Tensor) -> Tensor:
-        return torch.addcmul(self.shift, F.layer_norm(x, (self.features,)), self.scale)
-
-
-class CriticEnsemble(nn.Module):
+class CriticEnsemble:
     """Q_e(s, z) for e = 1..E: observations (B, D) and skills (B, Z) to values (E, B).
 
-    ``normalizer`` maps raw observations to unit scale; it has no trainable parameters.
+    Not differentiable by autograd: ``by_parameters`` and ``by_skill`` are its gradients.
+
+    Attributes:
+        normalizer: maps raw observations to unit scale; it has no trainable parameters.
+        vector: all parameters (P,); a change in place is a change of the critics.
     """
 
     def __init__(
@@ -57,29 +36,43 @@ class CriticEnsemble(nn.Module):
         *,
         layer_norm: bool,
     ) -> None:
-        super().__init__()
-        self.normalizer = normalizer
-        self.ensemble = ensemble
-        widths = [observation_dim + latent_dim, *hidden]
-        blocks: list[nn.Module] = []
-        for inputs, outputs in itertools.pairwise(widths):
-            blocks.append(EnsembleLinear(ensemble, inputs, outputs))
-            if layer_norm:
-                blocks.append(EnsembleLayerNorm(ensemble, outputs))
-            blocks.append(nn.ReLU())
-        self.network = nn.Sequential(*blocks, EnsembleLinear(ensemble, widths[-1], 1))
+        self.normalizer, self.latent_dim = normalizer, latent_dim
+        self.shape = Shape(ensemble, (observation_dim + latent_dim, *hidden), layer_norm)
+        self._hold(self.shape.initial())
 
+    def _hold(self, vector: Tensor) -> None:
+        self.vector, self.gradient = vector, torch.zeros_like(vector)
+        self.layers, self.slopes = self.shape.layers(vector), self.shape.layers(self.gradient)
+
+    def clone(self) -> CriticEnsemble:
+        """Critics of their own with the same parameters."""
+        other = copy.copy(self)
+        other._hold(self.vector.clone())
+        return other
+
+    @torch.no_grad()
     def inputs(self, observation: Tensor) -> Tensor:
         """The normalised observations (B, D) that several calls of ``values`` can share."""
-        return self.normalizer(observation).clamp(-OBSERVATION_CLIP, OBSERVATION_CLIP)
+        return self.normalizer(observation).clamp_(-OBSERVATION_CLIP, OBSERVATION_CLIP)
 
-    def values(self, inputs: Tensor, z: Tensor) -> Tensor:
-        """Q (E, B) at normalised observations (B, D) and skills (B, Z)."""
-        x = torch.cat([inputs, z], dim=-1)
-        return self.network(x.expand(self.ensemble, -1, -1)).squeeze(-1)
+    @torch.no_grad()
+    def values(self, inputs: Tensor, z: Tensor) -> tuple[Tensor, list[Trace]]:
+        """Q (E, B) at normalised observations (B, D) and skills (B, Z), and how it came about."""
+        x = torch.cat([inputs, z], dim=-1).expand(self.shape.ensemble, -1, -1)
+        return evaluate(self.layers, x)
 
-    def forward(self, observation: Tensor, z: Tensor) -> Tensor:
-        return self.values(self.inputs(observation), z)
+    @torch.no_grad()
+    def by_parameters(self, traces: list[Trace], slope: Tensor) -> Tensor:
+        """dL/dparameters (P,) for dL/dQ (E, B); overwritten by the next call."""
+        differentiate(self.layers, traces, slope, into=self.slopes)
+        return self.gradient
+
+    @torch.no_grad()
+    def by_skill(self, traces: list[Trace], slope: Tensor) -> Tensor:
+        """dL/dz (B, Z) for dL/dQ (E, B)."""
+        gradient = differentiate(self.layers, traces, slope)
+        assert gradient is not None
+        return gradient[:, :, -self.latent_dim :].sum(0)
 
 
 def pessimistic(q: Tensor, members: Tensor | None = None) -> Tensor:
@@ -98,6 +91,11 @@ def td_target(
     return reward + discount * (next_q - alpha * kl)
 
 
-def critic_loss(q: Tensor, target: Tensor) -> Tensor:
-    """Squared TD error of (E, B) values against (B,) targets: mean over B, summed over E."""
-    return (q - target).square().mean(-1).sum()
+def critic_loss(q: Tensor, target: Tensor) -> tuple[Tensor, Tensor]:
+    """Squared TD error of (E, B) values against (B,) targets: mean over B, summed over E.
+
+    Returns:
+        The loss and its gradient by q, (E, B).
+    """
+    error = q - target
+    return len(q) * F.mse_loss(q, target.expand_as(q)), error * (2.0 / q.shape[1])

@@ -9,7 +9,7 @@ from torch import Tensor, nn
 
 from lfr.skills.gaussian import kl_divergence
 from lfr.transfer.critic import CriticEnsemble, critic_loss, pessimistic, td_target
-from lfr.transfer.optimizer import FlatAdam, flatten_parameters
+from lfr.transfer.optimizer import FlatAdam, flatten_parameters, trainable
 from lfr.transfer.params import TransferParams
 from lfr.transfer.policy import MappedPolicy
 from lfr.transfer.replay import Batch
@@ -40,18 +40,18 @@ class Learner:
         generator: torch.Generator,
     ) -> None:
         self.params, self.generator = params, generator
-        self.policy = policy
+        self.policy, self.policy_parameters = policy, trainable(policy)
         inputs = normalizer(torch.zeros(1, observation_dim)).shape[-1]  # may hold more than D
         self.critics = CriticEnsemble(
             copy.deepcopy(normalizer), inputs, latent_dim, params.critics,
             params.critic_hidden, layer_norm=params.layer_norm,
         )  # fmt: skip
-        self.target = copy.deepcopy(self.critics).requires_grad_(False)
+        self.target = self.critics.clone()
         self.temperature = Temperature(params.initial_alpha)
-        self.policy_adam = FlatAdam(policy, params.policy_lr)
-        self.critic_adam = FlatAdam(self.critics, params.critic_lr)
-        self.alpha_adam = FlatAdam(self.temperature, params.alpha_lr)
-        self.target_flat = flatten_parameters(self.target, trainable=False)
+        self.policy_adam = FlatAdam(flatten_parameters(policy), params.policy_lr)
+        self.critic_adam = FlatAdam(self.critics.vector, params.critic_lr)
+        self.alpha_adam = FlatAdam(self.temperature.log_alpha, params.alpha_lr)
+        self.updates = 0
 
     def update(self, batch: Batch, *, critics_only: bool = False) -> Info:
         """One step of the critics and, when it is due, of policy and temperature.
@@ -61,25 +61,26 @@ class Learner:
         """
         noise = torch.randn(2, *batch.z.shape, generator=self.generator)
         alpha = self.temperature()
-        with torch.no_grad():
-            target = self.targets(batch, alpha, noise[0])
-            inputs = self.critics.inputs(batch.observation)
-        q = self.critics.values(inputs, batch.z)
-        loss = critic_loss(q, target)
-        self.critic_adam.step(loss)
-        with torch.no_grad():
-            self.target_flat.lerp_(self.critic_adam.flat, self.params.tau)
-        info = {"critic_loss": loss.detach(), "q": q.detach().mean(), "alpha": alpha}
-        if critics_only or self.critic_adam.steps % self.params.policy_every:
+        target = self.targets(batch, alpha, noise[0])
+        inputs = self.critics.inputs(batch.observation)
+        q, traces = self.critics.values(inputs, batch.z)
+        loss, slope = critic_loss(q, target)
+        self.critic_adam.descend(self.critics.by_parameters(traces, slope))
+        self.target.vector.lerp_(self.critics.vector, self.params.tau)
+        self.updates += 1
+        info = {"critic_loss": loss, "q": q.mean(), "alpha": alpha}
+        if critics_only or self.updates % self.params.policy_every:
             return info
         return info | self.improve(batch, inputs, alpha, noise[1])
 
+    @torch.no_grad()
     def targets(self, batch: Batch, alpha: Tensor, noise: Tensor) -> Tensor:
         """The TD targets (B,) of a batch, from the target critics and the policy as it is."""
         mu, log_sigma = self.policy(batch.next_observation)
         next_z = mu + log_sigma.exp() * noise
-        next_q = pessimistic(self.target(batch.next_observation, next_z), self.subset())
+        next_q, _ = self.target.values(self.target.inputs(batch.next_observation), next_z)
         kl = kl_divergence(mu, log_sigma, batch.next_prior_mu, batch.next_prior_log_sigma)
+        next_q = pessimistic(next_q, self.subset())
         return td_target(batch.reward, batch.discount, next_q, alpha, kl)
 
     def subset(self) -> Tensor | None:
@@ -93,26 +94,44 @@ class Learner:
         """One step of the policy on alpha KL - Q (Eq. 9), and of the temperature."""
         mu, log_sigma = self.policy(batch.observation)
         z = mu + log_sigma.exp() * noise  # reparameterised
-        q = self.critics.values(inputs, z)
-        # REDQ climbs the mean of its ensemble, SAC the lower of its two critics.
-        q = q.mean(0) if self.params.target_subset else pessimistic(q)
+        q, traces = self.critics.values(inputs, z.detach())
+        value, slope = self.value(q)
+        # -Q enters by its gradient: grad_outputs of z are those of -value by z.
+        by_z = self.critics.by_skill(traces, -slope)
         kl = kl_divergence(mu, log_sigma, batch.prior_mu, batch.prior_log_sigma).mean()
-        loss = alpha * kl - q.mean()
-        self.policy_adam.step(loss)
+        gradients = torch.autograd.grad([kl, z], self.policy_parameters, [alpha, by_z])
+        self.policy_adam.descend(torch.cat([g.reshape(-1) for g in gradients]))
+        kl = kl.detach()
         if not self.params.fixed_alpha:
-            self.alpha_adam.step(self.temperature.loss(kl, self.params.target_divergence))
+            self.alpha_adam.descend(self.temperature.gradient(kl, self.params.target_divergence))
         sigma = log_sigma.detach().mean().exp()
-        return {"policy_loss": loss.detach(), "kl": kl.detach(), "sigma": sigma}
+        return {"policy_loss": alpha * kl - value, "kl": kl, "sigma": sigma}
+
+    def value(self, q: Tensor) -> tuple[Tensor, Tensor]:
+        """What the policy climbs of the critics' values (E, B), and its gradient by them (E, B).
+
+        SAC climbs the lower of its two critics, REDQ the mean of its ensemble.
+        """
+        if self.params.target_subset:
+            return q.mean(), torch.full_like(q, 1.0 / q.numel())
+        lowest = q.min(0)
+        slope = torch.zeros_like(q).scatter_(0, lowest.indices[None], 1.0 / q.shape[1])
+        return lowest.values.mean(), slope
 
     def state(self) -> dict[str, Tensor]:
         """Everything that further updates depend on, but the replay buffer."""
-        state = {"target": self.target_flat.clone(), "random": self.generator.get_state()}
+        state = {
+            "target": self.target.vector.clone(),
+            "random": self.generator.get_state(),
+            "updates": torch.tensor(self.updates),
+        }
         for name, adam in self._optimizers().items():
             state |= {f"{name}.{key}": value for key, value in adam.state().items()}
         return state
 
     def load_state(self, state: dict[str, Tensor]) -> None:
-        self.target_flat.copy_(state["target"])
+        self.target.vector.copy_(state["target"])
+        self.updates = int(state["updates"])
         self.generator.set_state(state["random"])
         for name, adam in self._optimizers().items():
             prefix = f"{name}."

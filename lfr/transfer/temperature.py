@@ -5,20 +5,22 @@ from __future__ import annotations
 import math
 
 import torch
-from torch import Tensor, nn
+from torch import Tensor
 
 
-class Temperature(nn.Module):
+class Temperature:
     """alpha = exp(log_alpha) > 0, so the multiplier of the constraint KL <= target never flips."""
 
     def __init__(self, initial_alpha: float) -> None:
-        super().__init__()
-        self.log_alpha = nn.Parameter(torch.tensor(math.log(initial_alpha)))
+        self.log_alpha = torch.tensor([math.log(initial_alpha)])
 
-    def forward(self) -> Tensor:
+    def __call__(self) -> Tensor:
         """alpha, a scalar without gradient: the losses of policy and critics take it as given."""
-        return self.log_alpha.detach().exp()
+        return self.log_alpha.exp().squeeze(0)
 
-    def loss(self, kl: Tensor, target_divergence: float) -> Tensor:
-        """Its descent raises alpha while KL > target and lowers it while KL < target."""
-        return self.log_alpha * (target_divergence - kl.detach())
+    def gradient(self, kl: Tensor, target_divergence: float) -> Tensor:
+        """Of log_alpha (target - KL) by log_alpha, (1,).
+
+        Its descent raises alpha while KL > target and lowers it while KL < target.
+        """
+        return (target_divergence - kl).reshape(1)

@@ -1,5 +1,7 @@
 """The ensemble against separate networks, Eq. 8 and 9 in the target against torch.distributions."""
 
+import copy
+
 import pytest
 import torch
 from torch import nn
@@ -7,56 +9,78 @@ from torch.distributions import Normal
 from torch.distributions.kl import kl_divergence
 
 from lfr.skills.prior import Normalizer
-from lfr.transfer.critic import (
-    CriticEnsemble,
-    EnsembleLayerNorm,
-    EnsembleLinear,
-    critic_loss,
-    pessimistic,
-    td_target,
-)
+from lfr.transfer.critic import CriticEnsemble, critic_loss, pessimistic, td_target
 
 
-def _member(critics: CriticEnsemble, e: int) -> nn.Sequential:
+def member(critics: CriticEnsemble, e: int) -> nn.Sequential:
     """The e-th member as plain torch layers."""
     layers: list[nn.Module] = []
-    for part in critics.network:
-        if isinstance(part, EnsembleLinear):
-            linear = nn.Linear(part.weight.shape[1], part.weight.shape[2])
-            linear.weight.data = part.weight.data[e].t().clone()
-            linear.bias.data = part.bias.data[e, 0].clone()
-            layers.append(linear)
-        elif isinstance(part, EnsembleLayerNorm):
-            norm = nn.LayerNorm(part.features)
-            norm.weight.data = part.scale.data[e, 0].clone()
-            norm.bias.data = part.shift.data[e, 0].clone()
+    for layer in critics.layers:
+        linear = nn.Linear(layer.weight.shape[1], layer.weight.shape[2])
+        linear.weight.data = layer.weight[e].t().clone()
+        linear.bias.data = layer.bias[e, 0].clone()
+        layers.append(linear)
+        if layer.scale is not None and layer.shift is not None:
+            norm = nn.LayerNorm(layer.scale.shape[2])
+            norm.weight.data, norm.bias.data = layer.scale[e, 0].clone(), layer.shift[e, 0].clone()
             layers.append(norm)
-        else:
-            layers.append(nn.ReLU())
-    return nn.Sequential(*layers)
+        layers.append(nn.ReLU())
+    return nn.Sequential(*layers[:-1])
+
+
+def _critics(layer_norm: bool) -> CriticEnsemble:
+    names = ["a", "b", "c", "d"]
+    critics = CriticEnsemble(Normalizer(names), 4, 2, 3, (8, 5), layer_norm=layer_norm)
+    critics.vector.normal_()  # scale and shift of the norm, too
+    return critics
 
 
 @pytest.mark.parametrize("layer_norm", [False, True])
-def test_ensemble_equals_separate_networks(layer_norm):
-    critics = CriticEnsemble(
-        Normalizer(["a", "b", "c", "d"]), 4, 2, 3, (8, 5), layer_norm=layer_norm
-    )
-    for parameter in critics.parameters():  # scale and shift of the norm, too
-        nn.init.normal_(parameter)
-    observation, z, target = torch.randn(7, 4), torch.randn(7, 2), torch.randn(7)
-    members = [_member(critics, e) for e in range(3)]
+def test_ensemble_and_its_gradients_equal_separate_networks_and_autograd(layer_norm):
+    torch.manual_seed(0)
+    critics = _critics(layer_norm)
+    observation, target = torch.randn(7, 4), torch.randn(7)
+    z = torch.randn(7, 2, requires_grad=True)
+    members = nn.ModuleList(member(critics, e) for e in range(3))
     separate = torch.stack([m(torch.cat([observation, z], -1)).squeeze(-1) for m in members])
-    torch.testing.assert_close(critics(observation, z), separate, rtol=1e-4, atol=1e-5)
-    loss = sum(nn.functional.mse_loss(q, target) for q in separate)
-    torch.testing.assert_close(critic_loss(critics(observation, z), target), loss)
+    q, traces = critics.values(critics.inputs(observation), z.detach())
+    torch.testing.assert_close(q, separate.detach(), rtol=1e-4, atol=1e-5)
+
+    loss, slope = critic_loss(q, target)
+    expected = torch.stack([nn.functional.mse_loss(one, target) for one in separate]).sum()
+    torch.testing.assert_close(loss, expected.detach())
+    expected.backward()
+    # The members' gradients, put where the ensemble keeps its own.
+    gradients = copy.deepcopy(members)
+    for parameter, source in zip(gradients.parameters(), members.parameters(), strict=True):
+        assert source.grad is not None
+        parameter.data = source.grad
+    found = critics.clone()
+    found.vector.copy_(critics.by_parameters(traces, slope))
+    for e in range(3):
+        pairs = zip(member(found, e).parameters(), gradients[e].parameters(), strict=True)
+        for one, other in pairs:
+            torch.testing.assert_close(one, other, rtol=1e-3, atol=1e-4)
+    torch.testing.assert_close(critics.by_skill(traces, slope), z.grad, rtol=1e-3, atol=1e-4)
+
+
+def test_a_clone_changes_alone():
+    critics = _critics(True)
+    other, x, z = critics.clone(), torch.randn(5, 4), torch.randn(5, 2)
+    before, _ = critics.values(x, z)
+    other.vector.mul_(2.0)
+    assert torch.equal(critics.values(x, z)[0], before)
+    assert not torch.equal(other.values(x, z)[0], before)
 
 
 def test_initialised_as_torch_does():
-    critics = CriticEnsemble(Normalizer(["a", "b", "c", "d"]), 4, 2, 2, (64,), layer_norm=False)
+    critics = CriticEnsemble(Normalizer(["a", "b", "c", "d"]), 4, 2, 2, (64,), layer_norm=True)
     reference = nn.Linear(6, 64).weight
-    weight = next(critics.parameters())
-    assert weight.abs().max() <= 6**-0.5
-    assert weight.std().item() == pytest.approx(reference.std().item(), rel=0.2)
+    first = critics.layers[0]
+    assert first.weight.abs().max() <= 6**-0.5
+    assert first.weight.std().item() == pytest.approx(reference.std().item(), rel=0.2)
+    assert first.scale is not None
+    assert (first.scale == 1).all()
 
 
 def test_pessimistic_is_the_minimum_over_the_chosen():

@@ -5,7 +5,7 @@ import dataclasses
 
 import pytest
 import torch
-from torch import Tensor
+from torch import Tensor, nn
 from torch.distributions import Normal
 from torch.distributions.kl import kl_divergence
 
@@ -15,6 +15,8 @@ from lfr.transfer.learner import Learner
 from lfr.transfer.methods import method
 from lfr.transfer.params import TransferParams
 from lfr.transfer.replay import Batch
+
+from .test_critic import member
 
 
 def _batch(actor, size: int = 12) -> Batch:
@@ -41,9 +43,16 @@ def _learner(artifacts, params, **changes):
 def test_an_update_is_that_of_equation_9(artifacts, params):
     actor, learner = _learner(artifacts, params, policy_every=1, initial_alpha=0.3)
     batch = _batch(actor)
-    policy, critics, target = (
-        copy.deepcopy(m) for m in (actor.policy, learner.critics, learner.target)
+    learner.target.vector.add_(0.1)  # so that it is told from the critics
+    policy = copy.deepcopy(actor.policy)
+    critics, target = (
+        nn.ModuleList(member(c, e) for e in range(2)) for c in (learner.critics, learner.target)
     )
+
+    def values(ensemble: nn.ModuleList, observation: Tensor, z: Tensor) -> Tensor:
+        x = torch.cat([learner.critics.inputs(observation), z], -1)
+        return torch.stack([one(x).squeeze(-1) for one in ensemble])
+
     noise = torch.randn(2, 12, 2, generator=torch.Generator().manual_seed(7))
 
     def divergence(mu: Tensor, log_sigma: Tensor, observation: Tensor) -> Tensor:
@@ -54,18 +63,20 @@ def test_an_update_is_that_of_equation_9(artifacts, params):
 
     with torch.no_grad():
         mu, log_sigma = policy(batch.next_observation)
-        q = target(batch.next_observation, mu + log_sigma.exp() * noise[0]).min(0).values
+        q = values(target, batch.next_observation, mu + log_sigma.exp() * noise[0]).min(0).values
         kl = divergence(mu, log_sigma, batch.next_observation)
         y = batch.reward + batch.discount * (q - 0.3 * kl)
     adam = torch.optim.Adam(critics.parameters(), lr=params.critic_lr)
-    loss = sum(torch.nn.functional.mse_loss(q, y) for q in critics(batch.observation, batch.z))
+    loss = sum(
+        torch.nn.functional.mse_loss(q, y) for q in values(critics, batch.observation, batch.z)
+    )
     assert isinstance(loss, Tensor)
     loss.backward()
     adam.step()
 
     adam = torch.optim.Adam(policy.parameters(), lr=params.policy_lr)
     mu, log_sigma = policy(batch.observation)
-    q = critics(batch.observation, mu + log_sigma.exp() * noise[1]).min(0).values
+    q = values(critics, batch.observation, mu + log_sigma.exp() * noise[1]).min(0).values
     kl = divergence(mu, log_sigma, batch.observation).mean()
     (0.3 * kl - q.mean()).backward()
     adam.step()
@@ -74,13 +85,15 @@ def test_an_update_is_that_of_equation_9(artifacts, params):
     assert info["critic_loss"].item() == pytest.approx(float(loss.detach()), rel=1e-4)
     assert info["kl"].item() == pytest.approx(float(kl.detach()), rel=1e-4)
     assert info["kl"] > 0.01
-    for ours, theirs in ((actor.policy, policy), (learner.critics, critics)):
-        for one, other in zip(ours.parameters(), theirs.parameters(), strict=True):
+    for one, other in zip(actor.policy.parameters(), policy.parameters(), strict=True):
+        torch.testing.assert_close(one, other, rtol=1e-3, atol=1e-5)
+    for e in range(2):
+        pairs = zip(member(learner.critics, e).parameters(), critics[e].parameters(), strict=True)
+        for one, other in pairs:
             torch.testing.assert_close(one, other, rtol=1e-3, atol=1e-5)
-    for moved, old, new in zip(
-        learner.target.parameters(), target.parameters(), critics.parameters(), strict=True
-    ):
-        torch.testing.assert_close(moved, old + params.tau * (new - old), rtol=1e-3, atol=1e-5)
+        of_target = [m.parameters() for m in (member(learner.target, e), target[e], critics[e])]
+        for moved, old, new in zip(*of_target, strict=True):
+            torch.testing.assert_close(moved, old + params.tau * (new - old), rtol=1e-3, atol=1e-5)
     direction = 1 if kl.detach() > params.target_divergence else -1
     assert (learner.temperature().item() - 0.3) * direction > 0
 
@@ -124,3 +137,13 @@ def test_parameters_are_held_to_their_ranges():
         TransferParams(steps=0)
     with pytest.raises(ParameterError, match="batch"):
         TransferParams(batch=64, replay=10)
+
+
+@pytest.mark.parametrize("target_subset", [0, 2])
+def test_the_policy_climbs_what_autograd_says(artifacts, params, target_subset):
+    _, learner = _learner(artifacts, params, critics=5, target_subset=target_subset)
+    q = torch.randn(5, 12, requires_grad=True)
+    expected = q.mean() if target_subset else q.min(0).values.mean()
+    value, slope = learner.value(q.detach())
+    torch.testing.assert_close(value, expected.detach())
+    torch.testing.assert_close(slope, torch.autograd.grad(expected, q)[0])

@@ -1,0 +1,136 @@
+"""E multilayer perceptrons of one shape, computed as one, with their gradient written out.
+
+    x (E, B, in) -> [linear -> layer norm, scale and shift -> ReLU] * hidden -> linear -> (E, B)
+
+All parameters are one vector, layer by layer: weight (E, in, out), bias (E, 1, out) and, where the
+layer is normalised, scale (E, 1, out) and shift (E, 1, out). The gradient is written straight into
+a vector of the same order, which is what the optimiser takes: autograd finds the same numbers, but
+records every operation and gathers the gradient from its parts.
+"""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import torch
+from torch import Tensor
+
+LAYER_NORM_EPSILON = 1e-5  # nn.LayerNorm's
+
+
+class Layer(NamedTuple):
+    """One layer's parameters, or their gradients: views into a vector (P,)."""
+
+    weight: Tensor  # (E, in, out)
+    bias: Tensor  # (E, 1, out)
+    scale: Tensor | None = None  # (E, 1, out); None without layer normalisation
+    shift: Tensor | None = None  # (E, 1, out)
+
+
+class Trace(NamedTuple):
+    """What the gradient needs of one layer's evaluation."""
+
+    x: Tensor  # the layer's input, (E, B, in)
+    linear: Tensor  # weight and bias applied, (E, B, out)
+    normalised: Tensor | None = None  # before scale and shift, (E, B, out)
+    mean: Tensor | None = None  # (E, B, 1)
+    rstd: Tensor | None = None  # 1 / standard deviation, (E, B, 1)
+
+
+@dataclass(frozen=True)
+class Shape:
+    """``ensemble`` networks of ``widths``, from the inputs to the last hidden layer."""
+
+    ensemble: int
+    widths: tuple[int, ...]
+    layer_norm: bool
+
+    @functools.cached_property
+    def sizes(self) -> list[list[tuple[int, ...]]]:
+        """The shapes of each layer's tensors, in their order in the vector."""
+        found = []
+        for inputs, outputs in itertools.pairwise(self.widths):
+            row = (self.ensemble, 1, outputs)
+            found.append(
+                [(self.ensemble, inputs, outputs), row, *([row, row] if self.layer_norm else [])]
+            )
+        return [*found, [(self.ensemble, self.widths[-1], 1), (self.ensemble, 1, 1)]]
+
+    def layers(self, vector: Tensor) -> list[Layer]:
+        """The vector (P,) as layers, of which the last one is only linear."""
+        counts = [math.prod(size) for sizes in self.sizes for size in sizes]
+        parts = iter(vector.split(counts))
+        return [Layer(*(next(parts).view(size) for size in sizes)) for sizes in self.sizes]
+
+    def initial(self) -> Tensor:
+        """Parameters (P,), initialised as ``nn.Linear`` and ``nn.LayerNorm`` are."""
+        vector = torch.empty(sum(math.prod(size) for sizes in self.sizes for size in sizes))
+        for layer in self.layers(vector):
+            bound = 1.0 / math.sqrt(layer.weight.shape[1])
+            layer.weight.uniform_(-bound, bound)
+            layer.bias.uniform_(-bound, bound)
+            if layer.scale is not None and layer.shift is not None:
+                layer.scale.fill_(1.0)
+                layer.shift.zero_()
+        return vector
+
+
+def evaluate(layers: Sequence[Layer], x: Tensor) -> tuple[Tensor, list[Trace]]:
+    """The outputs (E, B) for inputs (E, B, in), and the traces that ``differentiate`` takes."""
+    traces = []
+    for weight, bias, scale, shift in layers[:-1]:
+        linear = torch.baddbmm(bias, x, weight)
+        if scale is None or shift is None:
+            traces.append(Trace(x, linear))
+            x = linear.relu()
+            continue
+        normalised, mean, rstd = torch.native_layer_norm(
+            linear, [linear.shape[2]], None, None, LAYER_NORM_EPSILON
+        )
+        traces.append(Trace(x, linear, normalised, mean, rstd))
+        x = torch.addcmul(shift, normalised, scale).relu_()
+    weight, bias, *_ = layers[-1]
+    # A matrix product with a single column is slower than this.
+    output = (x * weight.transpose(1, 2)).sum(-1, keepdim=True).add_(bias)
+    return output.squeeze(-1), [*traces, Trace(x, output)]
+
+
+def differentiate(
+    layers: Sequence[Layer],
+    traces: Sequence[Trace],
+    gradient: Tensor,
+    into: Sequence[Layer] | None = None,
+) -> Tensor | None:
+    """The chain rule, from a gradient by the outputs (E, B) back through all layers.
+
+    With ``into`` the gradient by the parameters is written there and None is returned; without,
+    the gradient by the inputs (E, B, in) is returned.
+    """
+    top = gradient[:, :, None]  # (E, B, 1)
+    weight, (x, *_) = layers[-1].weight, traces[-1]
+    if into is not None:
+        torch.sum((x * top).transpose(1, 2), 2, keepdim=True, out=into[-1].weight)
+        torch.sum(top, 1, keepdim=True, out=into[-1].bias)
+    g = top * weight.transpose(1, 2)  # by the hidden layer's output, (E, B, out)
+    for i in range(len(layers) - 2, -1, -1):
+        weight, _, scale, _ = layers[i]
+        below, linear, normalised, mean, rstd = traces[i]
+        g = torch.ops.aten.threshold_backward(g, traces[i + 1].x, 0)  # the ReLU
+        if scale is not None and normalised is not None:
+            if into is not None:
+                torch.sum(g * normalised, 1, keepdim=True, out=into[i].scale)
+                torch.sum(g, 1, keepdim=True, out=into[i].shift)
+            g = torch.ops.aten.native_layer_norm_backward(
+                g * scale, linear, [linear.shape[2]], mean, rstd, None, None, [True, False, False]
+            )[0]
+        if into is not None:
+            torch.bmm(below.transpose(1, 2), g, out=into[i].weight)
+            torch.sum(g, 1, keepdim=True, out=into[i].bias)
+        if i > 0 or into is None:
+            g = torch.bmm(g, weight.transpose(1, 2))
+    return g if into is None else None
