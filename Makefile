@@ -27,7 +27,8 @@ check: setup
 	lint-imports
 
 bench: setup
-	for benchmark in benchmarks/*.py; do python "$$benchmark"; done
+	for benchmark in $(basename $(notdir $(wildcard benchmarks/[a-z]*.py))); do \
+	  python -m benchmarks.$$benchmark; done
 
 setup: $(READY)
 

@@ -22,7 +22,9 @@ _SOURCES = ("compilation", "kernel", "libmujoco", "observation", "osc", "rewards
 def compiled[F: Callable[..., Any]](function: F) -> F:
     """Compile `function` at its first call, without the GIL; keep the result where possible."""
     folder = cache_folder()
-    compile_later: Any = numba.njit(nogil=True, cache=folder is not None)
+    compile_later: Any = numba.njit(
+        nogil=True, cache=folder is not None, error_model="numpy", forceinline=True
+    )
     settings: Any = numba.core.config
     before = settings.CACHE_DIR
     settings.CACHE_DIR = str(folder or before)  # read once, when a function is decorated

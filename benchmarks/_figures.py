@@ -1,0 +1,105 @@
+"""How a figure is measured, written and printed: two sides in one run, one after the other.
+
+`results/benchmarks/<name>.json` holds one row per figure, the versions and the machine. A helper of
+the scripts beside it, hence its name: `make bench` runs `benchmarks/[a-z]*.py`.
+"""
+
+from __future__ import annotations
+
+import os
+import platform
+import statistics
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from lfr.artifacts import provenance, write_json
+
+FOLDER = Path("results/benchmarks")
+
+Measurement = Callable[[], float]
+"""Measures one side once."""
+
+
+@dataclass(frozen=True)
+class Figure:
+    """One row of a file of results.
+
+    Attributes:
+        name: what was compared, e.g. `stock/panda-lift`.
+        unit: of the two medians.
+        ratio: ours to theirs, or theirs to ours where less is better: more is better always.
+        goal: what the ratio is to reach; with `at_most`, what it must not exceed.
+        spread: smallest and largest ratio of a single repeat.
+        ours, theirs: medians over the repeats.
+    """
+
+    name: str
+    unit: str
+    ratio: float
+    goal: float
+    spread: tuple[float, float]
+    ours: float
+    theirs: float
+    at_most: bool = False
+
+    @property
+    def reached(self) -> bool:
+        return self.ratio <= self.goal if self.at_most else self.ratio >= self.goal
+
+
+def compare(
+    name: str, unit: str, goal: float, ours: Measurement, theirs: Measurement, repeats: int
+) -> Figure:
+    """Measure rates (more is better) on both sides alternately, after one round to warm up."""
+    ours(), theirs()
+    pairs = []
+    for repeat in range(repeats):
+        if repeat % 2:  # neither side always comes first
+            second = theirs()
+            pairs.append((ours(), second))
+        else:
+            pairs.append((ours(), theirs()))
+    ratios = sorted(a / b for a, b in pairs)
+    return Figure(
+        name=name,
+        unit=unit,
+        ratio=statistics.median(ratios),
+        goal=goal,
+        spread=(ratios[0], ratios[-1]),
+        ours=statistics.median(a for a, _ in pairs),
+        theirs=statistics.median(b for _, b in pairs),
+    )
+
+
+def show(figure: Figure) -> None:
+    """One line on standard output."""
+    word, sign = ("reached" if figure.reached else "MISSED"), ("<=" if figure.at_most else ">=")
+    print(
+        f"{figure.name:32s} {figure.ratio:8.2f} ({figure.spread[0]:.2f} to {figure.spread[1]:.2f})"
+        f"  goal {sign} {figure.goal:g} {word}  {figure.ours:.4g} against {figure.theirs:.4g} "
+        f"{figure.unit}",
+        flush=True,
+    )
+
+
+def write(name: str, figures: list[Figure], folder: Path = FOLDER) -> Path:
+    """Write `<folder>/<name>.json`; returns its path."""
+    path = folder / f"{name}.json"
+    rows = [asdict(figure) | {"reached": figure.reached} for figure in figures]
+    machine = {
+        "processor": _processor(),
+        "cores": os.cpu_count(),
+        "load_average": os.getloadavg()[0],
+    }
+    write_json(path, {"figures": rows, "machine": machine, "made_with": provenance()})
+    return path
+
+
+def _processor() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        return platform.processor()
+    names = (line.split(":", 1)[1].strip() for line in lines if line.startswith("model name"))
+    return next(names, platform.processor())
