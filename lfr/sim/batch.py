@@ -49,13 +49,22 @@ class Batch:
 
         A simulation that diverges ends its own run with `Steps.diverged`; the others go on.
         """
-        actions = np.asarray(actions, dtype=np.float64)
+        return self.step_some(np.arange(len(self)), actions, stop_on_success)
 
-        def run(index: int) -> Steps:
-            return self.simulations[index].step(actions[index], stop_on_success)
+    def step_some(
+        self, chosen: ArrayLike, actions: ArrayLike, stop_on_success: bool = False
+    ) -> list[Steps]:
+        """The same for the simulations with the numbers `chosen` (M,), with actions (M, H, 7)."""
+        simulations = [self.simulations[i] for i in np.asarray(chosen, dtype=np.int64)]
+        actions = np.asarray(actions, dtype=np.float64)
+        if len(actions) != len(simulations):
+            raise ValueError(f"actions for {len(actions)} of {len(simulations)} simulations")
+
+        def run(simulation: Simulation, its: NDArray[np.float64]) -> Steps:
+            return simulation.step(its, stop_on_success)
 
         mapping = map if self._pool is None else self._pool.map
-        return list(mapping(run, range(len(self))))
+        return list(mapping(run, simulations, actions))
 
     def close(self) -> None:
         if self._pool is not None:

@@ -1,6 +1,7 @@
 """The four tasks on stock robosuite: the oracle of the compiled engine, and the second judge."""
 
 import logging
+import warnings
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,9 @@ def make_stock_environment(
     """robosuite's environment with its best switches for speed and without rendering."""
     # robosuite sets its logger's level when it is imported; a filter stays.
     logging.getLogger("robosuite_logs").addFilter(_errors_only)
-    import robosuite
+    with warnings.catch_warnings():  # of its docstrings' backslashes, as often as it is compiled
+        warnings.simplefilter("ignore", SyntaxWarning)
+        import robosuite
 
     chosen = lfr.tasks.task(task)
     return robosuite.make(
