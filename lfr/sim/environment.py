@@ -6,8 +6,8 @@
 
 An action is a `Box(-1, 1, (7,))`, an observation the float64 vector of `lfr.sim.layout`, the reward
 robosuite's dense one in [0, 1], or with `reward="sparse"` its sparse one, 1 while the task is
-solved. An episode ends ("terminated") when the physics diverges, with `info["diverged"]`, and is cut
-("truncated") at the task's horizon; success is `info["is_success"]` and ends nothing.
+solved. An episode ends ("terminated") when the physics diverges, with `info["diverged"]`, and is
+cut ("truncated") at the task's horizon; success is `info["is_success"]` and ends nothing.
 `gymnasium.make_vec` gives many, on all cores (`lfr.sim.vector`).
 """
 
@@ -51,9 +51,9 @@ class Environment(gymnasium.Env[NDArray[np.float64], NDArray[np.float32]]):
 
         self.simulation = Simulation(robot, task)
         self.render_mode = render_mode
-        self._reward = checked_reward(reward)
-        self.action_space = action_space()
-        self.observation_space = observation_space(self.simulation.layout)
+        self._reward: Reward = checked_reward(reward)
+        self.action_space: Any = action_space()
+        self.observation_space: Any = observation_space(self.simulation.layout)
         self._camera: Any = None
 
     def reset(

@@ -59,7 +59,7 @@ class VectorEnvironment(gymnasium.vector.VectorEnv[Array, Array, Array]):
         render_mode: None = None,
     ) -> None:
         self._batch = Batch(robot, task, num_envs, threads)
-        self._reward = checked_reward(reward)
+        self._reward: Reward = checked_reward(reward)
         self._limit = max_episode_steps or self._batch.horizon
         self.num_envs = num_envs
         self.single_action_space = action_space()
