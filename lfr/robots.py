@@ -4,6 +4,9 @@ from dataclasses import dataclass
 
 from lfr.errors import UnknownNameError
 
+ACTION_NAMES: tuple[str, ...] = ("dx", "dy", "dz", "drx", "dry", "drz", "gripper")
+"""`action`: OSC_POSE deltas in [-1, 1] (0.05 m and 0.5 rad each), gripper (+1 closes)."""
+
 
 @dataclass(frozen=True)
 class Robot:
@@ -23,7 +26,7 @@ class Robot:
         close_signs: sign of each gripper actuator, in actuator order, that closes the hand.
         excluded_contacts: pairs of bodies whose contact is switched off, here and in stock
             environments. Sawyer's `link0` starts in contact with its own base, and the friction
-            holds joint 0 against up to 39 N m; without the pair it breaks away at 2 N m.
+            holds joint 0 against the torques that the controller asks of it.
         distal_bodies: arm bodies that keep their collision geoms in the compiled engine.
     """
 

@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from lfr.robots import ACTION_NAMES
+
 FPS = 20  # control steps per second; a frame is a control step
 STATE = "observation.state"
 ENVIRONMENT_STATE = "observation.environment_state"
@@ -18,7 +20,6 @@ SUCCESS = "next.success"
 DONE = "next.done"
 IMAGES = "observation.images."  # + camera name
 
-ACTION_NAMES = ("dx", "dy", "dz", "drx", "dry", "drz", "gripper")
 JOINT_NAMES = tuple(f"joint_{i}" for i in range(7))
 
 

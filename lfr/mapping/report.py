@@ -17,7 +17,7 @@ from torch import Tensor
 
 from lfr.mapping.generator import Generator
 from lfr.mapping.training import CommonTask, paired
-from lfr.sim.layout import ACTION_NAMES
+from lfr.robots import ACTION_NAMES
 from lfr.skills.prior import SkillPrior
 from lfr.skills.vae import SkillVAE
 

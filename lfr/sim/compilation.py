@@ -4,11 +4,13 @@ Numba's own cache notices a change of a function's own file only, not of the fun
 other files. So the cache folder is named by a fingerprint of all the kernel's sources.
 """
 
+import contextlib
+import fcntl
 import functools
 import hashlib
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +24,9 @@ _SOURCES = ("compilation", "kernel", "libmujoco", "observation", "osc", "rewards
 def compiled[F: Callable[..., Any]](function: F) -> F:
     """Compile `function` at its first call, without the GIL; keep the result where possible."""
     folder = cache_folder()
-    compile_later: Any = numba.njit(nogil=True, cache=folder is not None)
+    compile_later: Any = numba.njit(
+        nogil=True, cache=folder is not None, error_model="numpy", forceinline=True
+    )
     settings: Any = numba.core.config
     before = settings.CACHE_DIR
     settings.CACHE_DIR = str(folder or before)  # read once, when a function is decorated
@@ -35,13 +39,17 @@ def compiled[F: Callable[..., Any]](function: F) -> F:
 @functools.cache
 def cache_folder() -> Path | None:
     """Where compiled code is kept: beside the sources, or else in the user's cache, or nowhere."""
-    here = Path(__file__).parent
     digest = hashlib.sha256(f"{numba.__version__} {mujoco.__version__}".encode())
     for name in _SOURCES:
-        digest.update((here / f"{name}.py").read_bytes())
-    name = f"kernel-{digest.hexdigest()[:16]}"
-    user = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache"))
-    return next(filter(_writable, (here / "__pycache__" / name, user / "lfr" / name)), None)
+        digest.update((Path(__file__).parent / f"{name}.py").read_bytes())
+    return writable_folder(f"kernel-{digest.hexdigest()[:16]}")
+
+
+def writable_folder(name: str) -> Path | None:
+    """A folder called `name` beside the sources, or else in the user's cache, or None."""
+    here = Path(__file__).parent / "__pycache__"
+    user = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "lfr"
+    return next(filter(_writable, (here / name, user / name)), None)
 
 
 def _writable(folder: Path) -> bool:
@@ -52,14 +60,32 @@ def _writable(folder: Path) -> bool:
     return os.access(folder, os.W_OK)
 
 
-@functools.cache
-def announce_compilation() -> None:
-    """Say, once per process, that a compilation lies ahead, if no cache holds its result."""
+@contextlib.contextmanager
+def compiling_once() -> Iterator[None]:
+    """Around the first use of the kernel: of several processes one compiles, and says so.
+
+    The others wait for it and read what it kept. Where nothing can be kept, each compiles for
+    itself and says why.
+    """
     folder = cache_folder()
-    if folder is None:
-        where = "; no cache folder can be written (set XDG_CACHE_HOME), so every process does it"
-    elif any(folder.rglob("kernel.run-*.nbi")):
-        return
+    if folder is not None and _compiled(folder):
+        yield
+    elif folder is None:
+        _announce("no cache folder can be written (set XDG_CACHE_HOME), so every process does it")
+        yield
     else:
-        where = f"; kept in {folder}"
-    print(f"compiling the simulation kernel, about 20 s{where}", file=sys.stderr, flush=True)
+        with (folder / "compiling.lock").open("a") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)  # given back when the process dies, too
+            if not _compiled(folder):
+                _announce(f"kept in {folder}")
+            yield
+
+
+def _compiled(folder: Path) -> bool:
+    return any(folder.rglob("kernel.run-*.nbi"))
+
+
+@functools.cache
+def _announce(where: str) -> None:
+    text = f"compiling the simulation kernel, about 20 s; {where}"
+    print(text, file=sys.stderr, flush=True)

@@ -5,22 +5,25 @@
     environment = gymnasium.make("lfr/Lift-Panda-v0")
 
 An action is a `Box(-1, 1, (7,))`, an observation the float64 vector of `lfr.sim.layout`, the reward
-robosuite's dense one in [0, 1]. An episode ends ("terminated") when the physics diverges, with
-`info["diverged"]`, and is cut ("truncated") at the task's horizon; success is
-`info["is_success"]` and ends nothing.
+robosuite's dense one in [0, 1], or with `reward="sparse"` its sparse one, 1 while the task is
+solved. An episode ends ("terminated") when the physics diverges, with `info["diverged"]`, and is
+cut ("truncated") at the task's horizon; success is `info["is_success"]` and ends nothing.
+`gymnasium.make_vec` gives many, on all cores (`lfr.sim.vector`).
 """
 
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal, get_args
 
 import gymnasium
 import numpy as np
 from gymnasium.envs.registration import register
 from numpy.typing import NDArray
 
-from lfr.robots import ROBOTS
-from lfr.sim.layout import ObservationLayout
-from lfr.sim.osc import JOINTS
+from lfr.errors import UnknownNameError
+from lfr.robots import ACTION_NAMES, ROBOTS
+from lfr.sim.layout import ObservationLayout, Steps
 from lfr.tasks import TASKS
+
+Reward = Literal["dense", "sparse"]
 
 
 def environment_id(robot: str, task: str) -> str:
@@ -34,20 +37,23 @@ class Environment(gymnasium.Env[NDArray[np.float64], NDArray[np.float32]]):
 
     Args:
         robot, task: as for `lfr.sim.simulation.Simulation`.
+        reward: `dense` or `sparse`.
         render_mode: `rgb_array` draws the agent's view, or None.
     """
 
     metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array"], "render_fps": 20}
 
-    def __init__(self, robot: str, task: str, render_mode: str | None = None) -> None:
-        # Registration must stay cheap; building a scene imports robosuite.
+    def __init__(
+        self, robot: str, task: str, reward: Reward = "dense", render_mode: str | None = None
+    ) -> None:
+        # Registration must stay cheap; the engine imports MuJoCo and numba.
         from lfr.sim.simulation import Simulation
 
         self.simulation = Simulation(robot, task)
         self.render_mode = render_mode
-        self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (JOINTS,), np.float32)
-        low, high = observation_bounds(self.simulation.layout)
-        self.observation_space = gymnasium.spaces.Box(low, high, dtype=np.float64)
+        self._reward: Reward = checked_reward(reward)
+        self.action_space: Any = action_space()
+        self.observation_space: Any = observation_space(self.simulation.layout)
         self._camera: Any = None
 
     def reset(
@@ -62,7 +68,7 @@ class Environment(gymnasium.Env[NDArray[np.float64], NDArray[np.float32]]):
     ) -> tuple[NDArray[np.float64], float, bool, bool, dict[str, Any]]:
         steps = self.simulation.step(action)
         info = {"is_success": bool(steps.successes[-1]), "diverged": steps.diverged}
-        return steps.observations[-1], float(steps.rewards[-1]), steps.diverged, False, info
+        return steps.observations[-1], earned(steps, self._reward), steps.diverged, False, info
 
     def render(self) -> Any:
         """The agent's view (128, 128, 3) uint8, or None without a render mode."""
@@ -80,9 +86,27 @@ class Environment(gymnasium.Env[NDArray[np.float64], NDArray[np.float32]]):
             self._camera = None
 
 
-def observation_bounds(
-    layout: ObservationLayout,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def checked_reward(reward: str) -> Reward:
+    """`reward`, if there is one of that name.
+
+    Raises:
+        UnknownNameError: there is none.
+    """
+    if reward not in get_args(Reward):
+        raise UnknownNameError("reward", reward, get_args(Reward))
+    return "dense" if reward == "dense" else "sparse"
+
+
+def earned(steps: Steps, reward: Reward) -> float:
+    """The last step's reward."""
+    return float(steps.rewards[-1] if reward == "dense" else steps.successes[-1])
+
+
+def action_space() -> gymnasium.spaces.Box:
+    return gymnasium.spaces.Box(-1.0, 1.0, (len(ACTION_NAMES),), np.float32)
+
+
+def observation_space(layout: ObservationLayout) -> gymnasium.spaces.Box:
     """Bounds (D,): 1 for directions, cosines and commands, 10 m for lengths."""
     unit = ("eef_rot6d", "gripper_command")
     bounded = [
@@ -90,7 +114,7 @@ def observation_bounds(
     ]
     # A rotation matrix is orthonormal to rounding only.
     high = np.where(bounded, 1.0 + 1e-6, 10.0)
-    return -high, high
+    return gymnasium.spaces.Box(-high, high, dtype=np.float64)
 
 
 def register_environments() -> None:
@@ -102,6 +126,7 @@ def register_environments() -> None:
                 register(
                     name,
                     entry_point="lfr.sim.environment:Environment",
+                    vector_entry_point="lfr.sim.vector:VectorEnvironment",
                     max_episode_steps=task.horizon,
                     kwargs={"robot": robot.name, "task": task.name},
                 )

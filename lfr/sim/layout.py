@@ -16,9 +16,6 @@ STATE_NAMES: tuple[str, ...] = (
 )
 """`observation.state`, the same for every arm, in the base frame: m; columns of R; m; [-1, 1]."""
 
-ACTION_NAMES: tuple[str, ...] = ("dx", "dy", "dz", "drx", "dry", "drz", "gripper")
-"""`action`: OSC_POSE deltas in [-1, 1] (0.05 m and 0.5 rad each), gripper (+1 closes)."""
-
 
 @dataclass(frozen=True)
 class ObservationLayout:

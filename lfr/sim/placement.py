@@ -55,7 +55,7 @@ class StartDistribution:
         rng = np.random.default_rng(seed)
         size = None
         if self.size_range is not None:
-            size = np.array([rng.uniform(*bounds) for bounds in zip(*self.size_range, strict=True)])
+            size = np.array([_draw(rng, *bounds) for bounds in zip(*self.size_range, strict=True)])
         noise = rng.standard_normal(len(self.joint_position)) * self.joint_noise
         placed: list[tuple[float, float, ObjectPlacement]] = []
         poses = {}
@@ -63,7 +63,7 @@ class StartDistribution:
             # The cube's size moves the height at which it is let go.
             z = item.z if size is None else item.z + float(size[2])
             x, y = _free_place(item, placed, rng)
-            angle = rng.uniform(0.0, 2.0 * np.pi)
+            angle = _draw(rng, 0.0, 2.0 * np.pi)
             quaternion = (np.cos(angle / 2), 0.0, 0.0, np.sin(angle / 2))
             poses[item.joint] = np.array([x, y, z, *quaternion])
             placed.append((x, y, item))
@@ -85,13 +85,18 @@ def _free_place(
     rng: np.random.Generator,
 ) -> tuple[float, float]:
     while True:
-        x, y = rng.uniform(*item.x_range), rng.uniform(*item.y_range)
+        x, y = _draw(rng, *item.x_range), _draw(rng, *item.y_range)
         if not item.check_overlap or not any(
             np.hypot(x - other_x, y - other_y) <= other.radius + item.radius
             and item.z - other.z <= other.top - item.bottom
             for other_x, other_y, other in placed
         ):
             return x, y
+
+
+def _draw(rng: np.random.Generator, low: float, high: float) -> float:
+    """What `rng.uniform` draws, bit for bit, at a fifth of its time for a single number."""
+    return low + (high - low) * rng.random()
 
 
 def start_distribution(environment: Any) -> StartDistribution:

@@ -1,8 +1,10 @@
 """The scene of a task: robosuite builds the MJCF, MjSpec takes out what physics does not need.
 
-Taken out: visual geoms, sensors, the objects that robosuite builds and parks 10 m away, and the
-collision geoms of the arm's proximal links and of its mount. The last changes physics only when
-those links touch something; the distal links, hand and fingers keep their geoms.
+Taken out: visual geoms, sensors, cameras and lights, the objects that robosuite builds and parks
+10 m away, and the collision geoms of the arm's proximal links and of its mount. The last changes
+physics only when those links touch something; the distal links, hand and fingers keep their geoms.
+Bodies that cannot move and that nothing can touch are taken out too, and the others that cannot
+move lose their mass: otherwise MuJoCo computes the drag of the air on them in every step.
 """
 
 from dataclasses import dataclass
@@ -75,6 +77,7 @@ def build_scene(robot: str, task: str) -> Scene:
     xml = environment.edit_model_xml(environment.model.get_xml())
     model = pruned_spec(xml, arm, chosen).compile()
     data = mujoco.MjData(model)
+    _unburden(model, data)
     mujoco.mj_forward(model, data)
     _check_layout(model, arm)
     return Scene(
@@ -94,6 +97,8 @@ def pruned_spec(xml: str, robot: Robot, task: Task) -> mujoco.MjSpec:
         spec.delete(sensor)
     for name in task.unused_objects:
         spec.delete(spec.body(name))
+    for element in [*spec.cameras, *spec.lights]:
+        spec.delete(element)
     for first, second in robot.excluded_contacts:
         spec.add_exclude(bodyname1=first, bodyname2=second)
     kept = ("gripper0_", *robot.distal_bodies)
@@ -101,10 +106,33 @@ def pruned_spec(xml: str, robot: Robot, task: Task) -> mujoco.MjSpec:
         if body.name.startswith(("robot0_", "fixed_mount0_")) and not body.name.startswith(kept):
             for geom in body.geoms:
                 geom.contype = geom.conaffinity = 0
+    for body in list(spec.worldbody.bodies):
+        _delete_scenery(spec, body, robot)
     spec.compiler.discardvisual = True
     # Otherwise MuJoCo answers a divergence with a reset of its own, and the kernel never sees it.
     spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET.value
     return spec
+
+
+def _delete_scenery(spec: mujoco.MjSpec, body: mujoco.MjsBody, robot: Robot) -> bool:
+    """Delete a body, and those on it, that no joint moves and nothing touches; whether it went."""
+    stays = bool(body.joints) or any(geom.contype or geom.conaffinity for geom in body.geoms)
+    stays |= body.name == robot.base_body
+    stays |= any(site.name == robot.controller_site for site in body.sites)
+    if body.joints:  # all that hangs on it moves with it
+        return False
+    stays |= not all([_delete_scenery(spec, child, robot) for child in list(body.bodies)])
+    if not stays:
+        spec.delete(body)
+    return not stays
+
+
+def _unburden(model: mujoco.MjModel, data: mujoco.MjData) -> None:
+    """Take the mass of bodies that are fixed to the world: it does nothing but cost time."""
+    fixed = model.body_weldid == 0
+    model.body_mass[fixed] = 0.0
+    model.body_inertia[fixed] = 0.0
+    mujoco.mj_setConst(model, data)
 
 
 def _check_layout(model: mujoco.MjModel, robot: Robot) -> None:

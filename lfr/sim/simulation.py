@@ -3,16 +3,18 @@
 import copy
 import functools
 import logging
+from collections.abc import Iterator
 
 import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lfr.sim import kernel, libmujoco, osc
-from lfr.sim.compilation import announce_compilation
+from lfr.sim.compilation import compiling_once
 from lfr.sim.layout import ObservationLayout, Steps
 from lfr.sim.placement import Start
-from lfr.sim.scene import Scene, build_scene
+from lfr.sim.scene import Scene
+from lfr.sim.scene_cache import load_scene
 
 _LOG = logging.getLogger(__name__)
 
@@ -42,9 +44,10 @@ class Simulation:
         self._data = mujoco.MjData(self._model)
         self._physics = libmujoco.physics(self._model, self._data)
         self._control = osc.controller()
+        self._object_places = tuple(self._places())
         self._cube_size = np.zeros(3)
-        announce_compilation()
-        self.reset(0)
+        with compiling_once():
+            self.reset(0)
 
     def reset(self, seed: int) -> NDArray[np.float64]:
         """Start an episode that `seed` fully determines; returns the observation (D,).
@@ -61,14 +64,19 @@ class Simulation:
         return self.observation()
 
     def _place(self, start: Start) -> None:
-        data, model = self._data, self._model
-        data.qpos[: osc.JOINTS] = start.joint_position
+        position = self._physics.qpos
+        position[: osc.JOINTS] = start.joint_position
         # robosuite writes the open position in the order of the gripper's joints.
-        data.qpos[osc.JOINTS : osc.JOINTS + 2] = self._scene.open_fingers
+        position[osc.JOINTS : osc.JOINTS + 2] = self._scene.open_fingers
+        for joint, place in self._object_places:
+            position[place] = start.object_poses[joint]
+
+    def _places(self) -> Iterator[tuple[str, slice]]:
+        """Each observed object's free joint and where its pose stands in qpos."""
         for body in self.task.objects.values():
-            joint = model.joint(int(model.body(body).jntadr[0]))
+            joint = self._model.joint(int(self._model.body(body).jntadr[0]))
             address = int(joint.qposadr[0])
-            data.qpos[address : address + 7] = start.object_poses[joint.name]
+            yield joint.name, slice(address, address + 7)
 
     def step(self, actions: ArrayLike, stop_on_success: bool = False) -> Steps:
         """Apply `actions` (H, 7) one control step each; stop early at success if asked to.
@@ -178,4 +186,4 @@ def simulation(robot: str, task: str) -> Simulation:
 
 @functools.cache
 def _scene(robot: str, task: str) -> Scene:
-    return build_scene(robot, task)
+    return load_scene(robot, task)

@@ -1,6 +1,7 @@
 """The four tasks on stock robosuite: the oracle of the compiled engine, and the second judge."""
 
 import logging
+import warnings
 from typing import Any
 
 import numpy as np
@@ -14,11 +15,15 @@ CONTROL_FREQUENCY = 20
 """Hz; with MuJoCo's time step of 2 ms, 25 substeps per control step."""
 
 
-def make_stock_environment(robot: str, task: str, *, hard_reset: bool) -> Any:
+def make_stock_environment(
+    robot: str, task: str, *, hard_reset: bool, object_observation: bool = False
+) -> Any:
     """robosuite's environment with its best switches for speed and without rendering."""
     # robosuite sets its logger's level when it is imported; a filter stays.
     logging.getLogger("robosuite_logs").addFilter(_errors_only)
-    import robosuite
+    with warnings.catch_warnings():  # of its docstrings' backslashes, as often as it is compiled
+        warnings.simplefilter("ignore", SyntaxWarning)
+        import robosuite
 
     chosen = lfr.tasks.task(task)
     return robosuite.make(
@@ -27,7 +32,7 @@ def make_stock_environment(robot: str, task: str, *, hard_reset: bool) -> Any:
         has_renderer=False,
         has_offscreen_renderer=False,
         use_camera_obs=False,
-        use_object_obs=False,
+        use_object_obs=object_observation,
         renderer="mujoco",
         reward_shaping=True,
         control_freq=CONTROL_FREQUENCY,
@@ -52,17 +57,26 @@ class StockSimulation:
     Observations are taken from the joint positions after a step. Stock's own observables, its
     reward and its success check lag them by one substep of 2 ms; reward and success are stock's.
 
+    Args:
+        robot, task: names.
+        object_observation: have robosuite observe the objects too; nothing here reads it.
+
     Raises:
         UnknownNameError: unknown robot or task.
     """
 
-    def __init__(self, robot: str, task: str) -> None:
+    def __init__(self, robot: str, task: str, *, object_observation: bool = False) -> None:
         self.robot = lfr.robots.robot(robot)
         self.task = lfr.tasks.task(task)
         self.layout = ObservationLayout.of(self.task)
         self.horizon = self.task.horizon
         # Lift draws its cube's size only when the model is built anew.
-        self._env = make_stock_environment(robot, task, hard_reset=self.task.name == "lift")
+        self._env = make_stock_environment(
+            robot,
+            task,
+            hard_reset=self.task.name == "lift",
+            object_observation=object_observation,
+        )
         self._env._xml_processors.append(self._exclude_contacts)
         # The first soft reset would still use the model built without the exclusion.
         self._env._load_model()

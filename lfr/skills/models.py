@@ -11,8 +11,8 @@ import torch
 
 from lfr.artifacts import fingerprint
 from lfr.jobs import run_jobs
+from lfr.robots import ACTION_NAMES
 from lfr.scenarios import Role, Scenario, Transfer, visible_tasks
-from lfr.sim.layout import ACTION_NAMES
 from lfr.skills.artifacts import Seen, load_vae, save_prior, save_vae
 from lfr.skills.demonstrations import DATASETS, Demonstrations, balanced, read_visible
 from lfr.skills.gaussian import kl_divergence, kl_to_standard_normal

@@ -6,7 +6,8 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 from lfr.sim.environment import environment_id
-from tests.sim.pairs import COMBINATIONS
+from tests.sim.pairs import COMBINATIONS, pair, put
+from tests.sim.test_simulation import goal_pose
 
 
 @pytest.mark.parametrize(("robot", "task"), [COMBINATIONS[0], COMBINATIONS[-1]])
@@ -45,3 +46,28 @@ def test_a_diverged_episode_terminates(caplog: pytest.LogCaptureFixture) -> None
     assert terminated
     assert info["diverged"]
     assert "diverged" in caplog.text
+
+
+@pytest.mark.parametrize(("robot", "task"), COMBINATIONS[:4])
+def test_the_sparse_reward_is_robosuites(robot: str, task: str) -> None:
+    _, oracle = pair(robot, task, 8)
+    environment = gymnasium.make(environment_id(robot, task), reward="sparse").unwrapped
+    environment.reset(seed=8)
+    oracle._env.reward_shaping = False
+    try:
+        found = []
+        for moved in (False, True):
+            if moved:
+                for one in (environment.simulation, oracle):
+                    one.step(np.zeros((10, 7)))
+                pose = goal_pose(environment.simulation)
+                for one in (environment.simulation, oracle):
+                    put(one, pose)
+            for _ in range(2):
+                _, reward, _, _, info = environment.step(np.zeros(7, np.float32))
+                assert reward == pytest.approx(oracle.step(np.zeros(7)).rewards[0])
+                assert reward == info["is_success"]
+                found.append(reward)
+        assert set(found) == {0.0, 1.0}
+    finally:
+        oracle._env.reward_shaping = True
