@@ -1,9 +1,9 @@
 """Demonstrations seen from elsewhere: the whole scene turned, mirrored and shifted.
 
 Under Cartesian control an arm's task looks the same in a scene that is turned about the vertical,
-mirrored, or shifted sideways, up to its reach: the demonstrator would do the turned, mirrored
-actions. So fifty demonstrations tell more than fifty, and a prior cannot learn an episode by heart
-from where its objects stand. It does not hold for joint-space actions or asymmetric hands.
+mirrored, or shifted, up to its reach: the demonstrator would do the turned, mirrored actions. So
+fifty demonstrations tell more than fifty, and a prior cannot learn an episode by heart from where
+its objects stand. It does not hold for joint-space actions or asymmetric hands.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ class SymmetryParams:
 
     copies: int = 16  # moved copies of each window beside the window itself
     turn: float = 1.0  # rad, bound on the rotation about the vertical through the base
-    shift: float = 0.1  # m, bound on the horizontal shift
+    shift: float = 0.1  # m, bound on the horizontal shift; half of it up and down
     mirror: bool = True
 
 
@@ -45,7 +45,7 @@ class SceneMotion:
         flip = torch.rand(count, generator=generator) < 0.5
         mirror = torch.where(flip, -1.0, 1.0) if params.mirror else torch.ones(count)
         shift = params.shift * (2.0 * torch.rand(count, 3, generator=generator) - 1.0)
-        shift[:, 2] *= 0.5
+        shift[:, 2] *= 0.5  # bases stand at different heights above their tables
         return cls(angle, mirror, shift)
 
     def vectors(self, vectors: Tensor) -> Tensor:
