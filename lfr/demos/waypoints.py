@@ -119,24 +119,20 @@ def stack(view: View) -> Waypoint:
 
 
 def pick_place(view: View) -> Waypoint:
-    release = 0.085  # the can's centre above the bin's floor when it is let go, m; it is 0.12 high
+    release = 0.13  # the can's centre above the bin's floor when it is let go, m; it is 0.12 high
     # The compartment is 0.2 x 0.25 m and at the edge of the arms' reach: put the can down 5 cm
-    # before its middle, where either arm comes to rest instead of passing by.
+    # before its middle, where either arm comes to rest instead of passing by, and from a height
+    # that it has on arrival.
     to_bin = view("can_to_bin")
     middle = view("can_pos")[:2] + to_bin[:2]
     before = 0.05 * middle / max(float(np.hypot(middle[0], middle[1])), 1e-9)
     to_goal = np.array([to_bin[0] - before[0], to_bin[1] - before[1], to_bin[2] + release])
-    over = np.hypot(to_goal[0], to_goal[1]) < 0.035
-    if over and -to_goal[2] < (0.06 if _letting_go(view) else 0.012):
+    over = np.hypot(to_goal[0], to_goal[1]) < 0.04
+    if over and -to_goal[2] < (0.08 if _letting_go(view) else 0.03):
         return _let_go(view)
     # Sawyer's fingers leave 4 mm on either side of the can: come down slowly, when well above it.
     waypoint = grasp(view, view("can_to_eef"), _level_yaw(view), 0.10, (0.005, 0.016), LOWERING)
-    if waypoint:
-        return waypoint
-    move = carry(to_goal, 0.12, (0.02, 0.06))
-    if to_goal[2] > -0.05:  # not past the height of release before the hand has begun to open
-        move[2] = max(move[2], -LOWERING)
-    return Waypoint(move, 0.0, CLOSE)
+    return waypoint or Waypoint(carry(to_goal, 0.06, (0.02, 0.06)), 0.0, CLOSE)
 
 
 def nut_assembly(view: View) -> Waypoint:
@@ -147,13 +143,15 @@ def nut_assembly(view: View) -> Waypoint:
     over = np.hypot(to_peg[0], to_peg[1]) < 0.02
     if over and -to_peg[2] < release + (0.015 if _letting_go(view) else 0.0):
         return _let_go(view)
-    to_handle = view("handle_to_eef") + np.array([0.0, 0.0, 0.003])  # it lies low
+    handle = view("handle_to_eef") - view("nut_to_eef")  # from the nut's centre, 0.054 m
+    # 8 mm further out, clear of the nut's body, and a little above the middle: it lies low.
+    to_handle = view("handle_to_eef") + 0.15 * handle + np.array([0.0, 0.0, 0.003])
     # The fingers close across the handle, which points along the nut's x axis.
     across_handle = _yaw(-view("nut_yaw"), 2)
     waypoint = grasp(view, to_handle, across_handle, 0.06, HANDLE_FUNNEL)
     if waypoint:
         return waypoint
-    align = _reachable(-_yaw(view("nut_peg_yaw"), 4), view("handle_to_eef") - view("nut_to_eef"))
+    align = _reachable(-_yaw(view("nut_peg_yaw"), 4), handle)
     to_goal = to_peg + np.array([0.0, 0.0, release - 0.02])
     askew = (abs(align) - 0.05) / 0.2  # never press a turned nut onto the peg
     move = carry(to_goal, 0.10, (0.005, 0.015), askew)

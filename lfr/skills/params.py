@@ -16,11 +16,11 @@ class VAEParams:
     execute: int = 5  # of them carried out before the next skill is chosen; the paper's is H
     latent_dim: int = 16  # Z; the paper's is 10
     hidden: int = 128  # LSTM units
-    alpha: float = 5e-5  # weight of the divergence in Eq. 3
+    alpha: float = 1e-4  # weight of the divergence in Eq. 3
     steps: int = 3000
     batch: int = 128
     learning_rate: float = 3e-3
-    augment: float = 0.5  # share of each batch whose windows are turned, mirrored and scaled
+    augment: float = 0.5  # share of each batch whose windows are turned, scaled, recombined
 
     def __post_init__(self) -> None:
         if self.execute < 1:
