@@ -132,6 +132,13 @@ def test_dvc_runs_the_same_and_nothing_twice(project: Path, tmp_path: Path) -> N
 
 
 @pytest.mark.slow
+def test_a_ray_node_gives_the_same(project: Path, tmp_path: Path, ray_address: str) -> None:
+    folder = tiny_project.make(tmp_path / "cluster")
+    tiny_project.run(folder, "dvc", "repro", RAY_ADDRESS=ray_address)
+    _assert_same(project, folder)
+
+
+@pytest.mark.slow
 def test_killed_at_several_moments_and_resumed(project: Path, tmp_path: Path) -> None:
     """kill -9 while each stage works: the same results, and no finished job is run again."""
     folder = tiny_project.make(tmp_path / "killed")

@@ -69,9 +69,12 @@ def _stage(name: str, *arguments: str) -> None:
     assert run_stage(main, arguments) == 0, f"{name} {arguments}"
 
 
-def run(folder: Path, *command: str, expect: int = 0) -> subprocess.CompletedProcess[str]:
+def run(
+    folder: Path, *command: str, expect: int = 0, **environment: str
+) -> subprocess.CompletedProcess[str]:
     """Run a command there; its output is in the message if it ends in another way."""
-    done = subprocess.run(command, cwd=folder, env=ENVIRONMENT, capture_output=True, text=True)
+    environment = {**ENVIRONMENT, **environment}
+    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
     assert done.returncode == expect, (
         f"{command} {done.returncode}\n{done.stdout[-4000:]}\n{done.stderr[-6000:]}"
     )
