@@ -23,7 +23,7 @@ try:
     from stable_baselines3.sac.policies import Actor, ContinuousCritic, SACPolicy
 except ImportError:
     raise SystemExit(
-        "this benchmark needs Stable-Baselines3: uv pip install stable-baselines3"
+        "this benchmark needs Stable-Baselines3: `make bench` brings it"
     ) from None
 
 
