@@ -22,9 +22,7 @@ try:
     from stable_baselines3.common.torch_layers import BaseFeaturesExtractor
     from stable_baselines3.sac.policies import Actor, ContinuousCritic, SACPolicy
 except ImportError:
-    raise SystemExit(
-        "this benchmark needs Stable-Baselines3: `make bench` brings it"
-    ) from None
+    raise SystemExit("this benchmark needs Stable-Baselines3: `make bench` brings it") from None
 
 
 class Extractor(BaseFeaturesExtractor):
