@@ -5,9 +5,15 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
+from importlib import import_module
 
 from lfr import __version__
 from lfr.program import run_program
+
+# Name -> what it does, and the module with its ``add_arguments(parser)`` and ``run(options)``.
+COMMANDS = {
+    "view": ("open an episode, a dataset or a training run in rerun", "lfr.view.command"),
+}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -16,11 +22,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="lfr", description="Learn from Robot")
     parser.add_argument("--version", action="version", version=f"lfr {__version__}")
     commands = parser.add_subparsers(metavar="command", required=True)
-    view = commands.add_parser("view", help="open an episode, a dataset or a training run in rerun")
-    if arguments[:1] == ["view"]:  # `lfr --help` need not load it
-        from lfr.view import command
-
-        command.add_arguments(view)
-        view.set_defaults(run=command.run)
+    for name, (purpose, module) in COMMANDS.items():
+        command = commands.add_parser(name, help=purpose)
+        if arguments[:1] == [name]:  # `lfr --help` need not load them
+            implementation = import_module(module)
+            implementation.add_arguments(command)
+            command.set_defaults(run=implementation.run)
     options = parser.parse_args(arguments)
     return run_program(lambda: options.run(options))

@@ -18,15 +18,15 @@ INTERRUPTED = 130  # what a shell reports for a program ended by Ctrl-C
 MACHINE = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EPERM)
 
 
-def run_program(main: Callable[[], None]) -> int:
-    """Call ``main`` and return the exit code.
+def run_program(main: Callable[[], int | None]) -> int:
+    """Call ``main`` and return the exit code, which is its answer or 0.
 
     An LfrError, a full disk, or a folder that may not be written becomes one line on stderr and
     exit code 2; Ctrl-C exit code 130. Any other exception is a fault of ours and keeps its
     traceback.
     """
     try:
-        main()
+        return main() or 0
     except LfrError as error:
         print(f"lfr: error: {error}", file=sys.stderr)
         return error.exit_code
@@ -38,7 +38,6 @@ def run_program(main: Callable[[], None]) -> int:
     except KeyboardInterrupt:
         print("lfr: stopped", file=sys.stderr)
         return INTERRUPTED
-    return 0
 
 
 def run_stage(main: Callable[..., None], arguments: Sequence[str] | None = None) -> int:

@@ -68,6 +68,11 @@ def test_stopped_by_hand(capsys: pytest.CaptureFixture[str]) -> None:
     assert capsys.readouterr().err == "lfr: stopped\n"
 
 
+def test_a_program_may_answer_with_an_exit_code():
+    assert run_program(lambda: None) == 0
+    assert run_program(lambda: 1) == 1
+
+
 def test_unknown_name_error_is_a_mistake() -> None:
     assert UnknownNameError.exit_code == 2
 

@@ -29,6 +29,9 @@ HANDLE_FUNNEL = (0.006, 0.02)
 # A skill is carried out blindly for some steps, so what leaves millimetres to either side, the can
 # between the fingers, the peg in its hole, is approached by this much at a time, m.
 LOWERING = 0.006
+# How far above or below the grasp point the fingers may close, m. At the last LOWERING the action
+# is so weak that joint friction holds Panda's hand up to a centimetre above it.
+RESTING = 0.012
 
 
 @dataclass(frozen=True)
@@ -50,14 +53,14 @@ def grasp(
     yaw: float,
     hover: float,
     funnel: tuple[float, float],
-    lowering: float = np.inf,
+    slowly: bool = False,
 ) -> Waypoint | None:
     """Approach a grasp point from above and close there; None once it is held.
 
     ``to_grasp`` (3,) leads from the end effector to the grasp point, ``yaw`` is the turn that
     aligns the fingers. They come down from ``hover`` above it between the ``funnel``'s outer and
-    inner horizontal distance; inside that they may wait, but never rise again. From the hover on
-    they are lowered by at most ``lowering`` at a time.
+    inner horizontal distance; inside that they may wait, but never rise again. ``slowly`` arrives
+    without speed across, and from the hover on comes down by LOWERING at a time.
     """
     command = float(view("gripper_command")[0])
     horizontal = float(np.hypot(to_grasp[0], to_grasp[1]))
@@ -75,12 +78,12 @@ def grasp(
         height = min(height, 0.0)
     if horizontal < 0.02 and to_grasp[2] > -0.04:  # the fingers are down beside the object
         height = float(to_grasp[2])
-    if to_grasp[2] > -1.2 * hover:
-        height = max(height, -lowering)
-    if lowering < np.inf:
-        to_grasp = to_grasp * np.array([*[_slowing(to_grasp)] * 2, 1.0])
-    ready = horizontal < max(inner, 0.01) and abs(to_grasp[2]) < 0.007 and abs(yaw) < 0.15
+    ready = horizontal < max(inner, 0.01) and abs(to_grasp[2]) < RESTING and abs(yaw) < 0.15
     move = np.array([to_grasp[0], to_grasp[1], height])
+    if slowly:
+        move[:2] *= _slowing(to_grasp)
+        if to_grasp[2] > -1.2 * hover:
+            move[2] = max(move[2], -LOWERING)
     return Waypoint(move, yaw, CLOSE if ready else OPEN)
 
 
@@ -131,7 +134,7 @@ def pick_place(view: View) -> Waypoint:
     if over and -to_goal[2] < (0.08 if _letting_go(view) else 0.03):
         return _let_go(view)
     # Sawyer's fingers leave 4 mm on either side of the can: come down slowly, when well above it.
-    waypoint = grasp(view, view("can_to_eef"), _level_yaw(view), 0.10, (0.005, 0.016), LOWERING)
+    waypoint = grasp(view, view("can_to_eef"), _level_yaw(view), 0.10, (0.005, 0.016), slowly=True)
     return waypoint or Waypoint(carry(to_goal, 0.06, (0.02, 0.06)), 0.0, CLOSE)
 
 
