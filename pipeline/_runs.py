@@ -8,13 +8,12 @@ from typing import Any
 
 from lfr.mapping.artifacts import load_generator
 from lfr.scenarios import Transfer
-from lfr.seeds import episode_seed
 from lfr.sim.simulation import simulation
 from lfr.skills.artifacts import load_prior, load_vae
-from lfr.transfer.loop import SEEDS_PER_RUN
 from lfr.transfer.methods import Artifacts, method
 from lfr.transfer.model import save_policy
 from lfr.transfer.params import TransferParams
+from lfr.transfer.starts import evaluation_starts
 from lfr.transfer.train import train
 from lfr.view.learning import LearningLog
 from lfr.view.policy import save_policy_episode
@@ -57,7 +56,7 @@ def learn(job: RunJob) -> dict[str, Any]:
 
     def sample(env_steps: int) -> None:
         shown = simulation(robot, task)
-        seed = episode_seed("learning", job.seed * SEEDS_PER_RUN)
+        seed = evaluation_starts(job.seed, 1)[0]
         episode, trace = roll_out_policy(start.actor, shown, seed)
         note = f"{env_steps} environment steps"
         save_policy_episode(folder / f"episode-{env_steps:06d}.rrd", episode, trace, note=note)

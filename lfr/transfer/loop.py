@@ -1,14 +1,15 @@
 """Algorithm 2: act by skills in the target's simulations, store, update, evaluate, checkpoint.
 
-One round executes one skill in each simulation, side by side, and then makes the updates that are
-due. Everything that the next round depends on is in ``state``, so a run that is killed and resumed
-ends bit for bit as one that was not.
+One round executes one skill in each simulation and, meanwhile, makes the updates that are due.
+Everything that the next round depends on is in ``state``, so a run that is killed and resumed ends
+bit for bit as one that was not.
 """
 
 from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,20 +20,17 @@ from torch import Tensor
 
 from lfr.artifacts import plain
 from lfr.errors import LfrError
-from lfr.seeds import episode_seed
 from lfr.transfer.actor import as_tensor
 from lfr.transfer.checkpoint import load_checkpoint, save_checkpoint
 from lfr.transfer.environment import Array, Outcome, RewardRule, RunningEpisode, Simulated
 from lfr.transfer.learner import Learner
+from lfr.transfer.means import Means
 from lfr.transfer.methods import Start
 from lfr.transfer.observer import CurvePoint, EpisodeRecord, Observer
 from lfr.transfer.params import TransferParams
 from lfr.transfer.replay import Batch, Replay
 from lfr.transfer.rollout import evaluate
-
-# A run's share of the learning seeds: evaluation starts first, learning starts after them.
-SEEDS_PER_RUN = 40_000
-EVALUATION_SEEDS = 1_000
+from lfr.transfer.starts import evaluation_starts, learning_start
 
 
 @dataclass
@@ -84,9 +82,9 @@ class TransferLoop:
             )  # fmt: skip
         self.replay = Replay(params.replay, len(start.layout_names), start.latent_dim)
         self.progress = Progress()
+        self.worker = ThreadPoolExecutor(1, "acting")
         self.curve: list[CurvePoint] = []
-        self.sums: dict[str, float] = {}  # of infos since the last evaluation, and their counts
-        self.counts: dict[str, int] = {}
+        self.means = Means()  # since the last evaluation
         self.identity = plain({"params": plain(params), "seed": seed, "layout": start.layout_names})
         self.episodes = [RunningEpisode(simulation) for simulation in simulations]
         if not self._resume():
@@ -99,8 +97,7 @@ class TransferLoop:
         params, progress = self.params, self.progress
         while progress.env_steps < params.steps:
             before = progress.env_steps
-            self._act()
-            self._update()
+            self._round()
             self.observer.on_progress(min(progress.env_steps, params.steps), params.steps)
             done = progress.env_steps >= params.steps
             if done or _passed(before, progress.env_steps, params.evaluate_every):
@@ -109,15 +106,20 @@ class TransferLoop:
                 self._checkpoint()
         return self.curve
 
-    def _act(self) -> None:
-        """One skill in each simulation, and the transitions into the buffer."""
+    def _round(self) -> None:
+        """One skill in each simulation; meanwhile the updates that earlier skills have made due.
+
+        The simulation releases the GIL, so the two share the cores. What the round's skills gave is
+        stored after its updates: always, however long either takes, so a run stays determined.
+        """
         observations = np.stack([episode.observation for episode in self.episodes])
         choice = self.actor.choose(as_tensor(observations), self.generator)
         actions = self.actor.decode(choice.z)
-        outcomes = [
-            episode.execute(skill, self.rule)
-            for episode, skill in zip(self.episodes, actions, strict=True)
-        ]
+        executing = self.worker.submit(self._execute, actions)
+        try:
+            self._update()
+        finally:
+            outcomes = executing.result()  # also if the learner diverged: nothing is left running
         self._store(as_tensor(observations), choice.z, outcomes)
         self.progress.skills += len(outcomes)
         for episode, outcome in zip(self.episodes, outcomes, strict=True):
@@ -125,6 +127,13 @@ class TransferLoop:
             if outcome.over:
                 self._end(episode, valid=outcome.valid)
                 self._begin(episode)
+
+    def _execute(self, actions: Array) -> list[Outcome]:
+        """The skills (simulations, n, A), one in each simulation."""
+        return [
+            episode.execute(skill, self.rule)
+            for episode, skill in zip(self.episodes, actions, strict=True)
+        ]
 
     def _store(self, observations: Tensor, z: Tensor, outcomes: Sequence[Outcome]) -> None:
         keep = [i for i, outcome in enumerate(outcomes) if outcome.valid]
@@ -160,7 +169,7 @@ class TransferLoop:
         info = {}
         for name in {name: None for one in infos for name in one}:
             values = torch.stack([one[name] for one in infos if name in one]).tolist()
-            self._add(name, sum(values), len(values))
+            self.means.add(name, sum(values), len(values))
             info[name] = sum(values) / len(values)
         if not np.isfinite(list(info.values())).all():
             raise LfrError(
@@ -170,13 +179,11 @@ class TransferLoop:
         self.observer.on_update(progress.env_steps, progress.updates, info)
 
     def _begin(self, episode: RunningEpisode) -> None:
-        starts = SEEDS_PER_RUN - EVALUATION_SEEDS
-        offset = EVALUATION_SEEDS + self.progress.episodes % starts
-        episode.start(episode_seed("learning", self.seed * SEEDS_PER_RUN + offset))
+        episode.start(learning_start(self.seed, self.progress.episodes))
         self.progress.episodes += 1
 
     def _end(self, episode: RunningEpisode, *, valid: bool) -> None:
-        self._add("learning_success", float(episode.success), 1)
+        self.means.add("learning_success", float(episode.success), 1)
         self.observer.on_episode(
             EpisodeRecord(
                 self.progress.env_steps,
@@ -191,14 +198,11 @@ class TransferLoop:
     def _evaluate(self) -> None:
         """A point of the curve. The learning episodes step aside and go on afterwards."""
         suspended = [episode.suspend() for episode in self.episodes]
-        first = self.seed * SEEDS_PER_RUN
-        count = min(self.params.evaluation_episodes, EVALUATION_SEEDS)
-        seeds = [episode_seed("learning", first + i) for i in range(count)]
+        seeds = evaluation_starts(self.seed, self.params.evaluation_episodes)
         outcomes = evaluate(self.actor, [e.simulation for e in self.episodes], seeds, self.rule)
         for episode, state in zip(self.episodes, suspended, strict=True):
             episode.restore(*state)
-        means = {name: total / self.counts[name] for name, total in self.sums.items()}
-        self.sums, self.counts = {}, {}
+        means = self.means.take()
         names = ("learning_success", "kl", "alpha", "sigma", "q", "critic_loss", "policy_loss")
         point = CurvePoint(
             env_steps=self.progress.env_steps,
@@ -211,10 +215,6 @@ class TransferLoop:
         )
         self.curve.append(point)
         self.observer.on_evaluation(point)
-
-    def _add(self, name: str, total: float, count: int) -> None:
-        self.sums[name] = self.sums.get(name, 0.0) + total
-        self.counts[name] = self.counts.get(name, 0) + count
 
     def _checkpoint(self) -> None:
         if self.work is None:
@@ -237,8 +237,7 @@ class TransferLoop:
             "identity": self.identity,
             "progress": dataclasses.asdict(self.progress),
             "curve": [dataclasses.asdict(point) for point in self.curve],
-            "sums": self.sums,
-            "counts": self.counts,
+            "means": self.means.state(),
             "episodes": [counts for _, _, counts in suspended],
         }
         return content, tensors
@@ -252,7 +251,7 @@ class TransferLoop:
         self.replay.load_state(_part(tensors, "replay."))
         self.progress = Progress(**content["progress"])
         self.curve = [CurvePoint(**point) for point in content["curve"]]
-        self.sums, self.counts = dict(content["sums"]), dict(content["counts"])
+        self.means.load_state(content["means"])
         self._restore_episodes(content, tensors)
         return True
 
