@@ -18,7 +18,10 @@ import mujoco
 import numba
 import numba.core.config
 
-_SOURCES = ("compilation", "kernel", "libmujoco", "observation", "osc", "rewards", "scene")
+_SOURCES = (
+    *("compilation", "cube", "engine", "kernel", "libmujoco", "observation"),
+    *("osc", "pcg64", "rewards", "scene", "start"),
+)
 
 
 def compiled[F: Callable[..., Any]](function: F) -> F:

@@ -9,11 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lfr.sim.compilation import compiled
-from lfr.sim.libmujoco import Physics, mj_kinematics, mj_step1, mj_step2
+from lfr.sim.cube import resize
+from lfr.sim.engine import Engine
+from lfr.sim.libmujoco import Physics, mj_kinematics, mj_resetData, mj_step1, mj_step2
 from lfr.sim.observation import observe
-from lfr.sim.osc import Controller, advance_gripper, set_goal, set_torques
+from lfr.sim.osc import JOINTS, Controller, advance_gripper, set_goal, set_torques
 from lfr.sim.rewards import reward_and_success
 from lfr.sim.scene import SceneArrays
+from lfr.sim.start import draw
 
 SUBSTEPS = 25
 """Physics steps of 2 ms in a control step of 50 ms."""
@@ -23,10 +26,36 @@ LARGEST = 1e3
 
 
 @compiled
+def reset(engine: Engine, seed: int, observation: NDArray[np.float64]) -> None:
+    """Start the episode that `seed` names; fill the observation (D,)."""
+    physics, control, start, drawn = engine.physics, engine.control, engine.start, engine.drawn
+    draw(start, seed, drawn)
+    if start.sized:
+        resize(engine.cube, drawn.cube_size)
+    mj_resetData(physics.model, physics.data)
+    for j in range(JOINTS):
+        physics.qpos[j] = control.posture[j] = drawn.joint_position[j]
+    # robosuite writes the open position in the order of the gripper's joints.
+    physics.qpos[JOINTS], physics.qpos[JOINTS + 1] = start.open_fingers[0], start.open_fingers[1]
+    for i in range(start.addresses.shape[0]):
+        address = start.addresses[i]
+        if address >= 0:
+            for k in range(7):
+                physics.qpos[address + k] = drawn.poses[i, k]
+    control.gripper[0] = 0.0
+    current(engine, observation)
+
+
+@compiled
+def current(engine: Engine, observation: NDArray[np.float64]) -> None:
+    """Bring the kinematics up to date; fill the observation (D,)."""
+    mj_kinematics(engine.physics.model, engine.physics.data)
+    observe(engine.physics, engine.scene, engine.control, observation)
+
+
+@compiled
 def run(
-    physics: Physics,
-    scene: SceneArrays,
-    control: Controller,
+    engine: Engine,
     actions: NDArray[np.float64],
     stop_on_success: bool,
     observations: NDArray[np.float64],
@@ -35,16 +64,12 @@ def run(
 ) -> tuple[int, bool]:
     """Apply actions (H, 7); fill observations (H, D), rewards (H,), successes (H,).
 
-    With H = 0 it only brings the kinematics up to date and writes the observation to row 0.
-
     Returns:
         The number of steps taken, and whether the last of them diverged; the observation of a
         diverged step repeats the last finite one.
     """
+    physics, scene, control = engine.physics, engine.scene, engine.control
     last = actions.shape[0]
-    if last == 0:
-        mj_kinematics(physics.model, physics.data)
-        observe(physics, scene, control, observations[0])
     for t in range(last):
         if not _finite(actions[t], math.inf) or not _control_step(
             physics, scene, control, actions[t]

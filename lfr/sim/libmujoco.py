@@ -1,6 +1,6 @@
 """MuJoCo's own C functions and structs, as the compiled kernel sees them.
 
-The kernel calls `mj_step1`, `mj_step2` and `mj_kinematics` by their symbols and reads MjData
+The kernel calls `mj_step1`, `mj_step2` and a few others by their symbols and reads MjData
 through NumPy views. All views but two come from the Python bindings; the number of contacts and the
 contact array have no fixed view there, so their places in the struct are found by experiment, once
 per process, and a struct that does not answer as expected is an error, never wrong physics.
@@ -29,6 +29,7 @@ _POINTER = types.intp
 _STEP_SIGNATURE = types.void(_POINTER, _POINTER)
 mj_step1 = types.ExternalFunction("mj_step1", _STEP_SIGNATURE)
 mj_step2 = types.ExternalFunction("mj_step2", _STEP_SIGNATURE)
+mj_resetData = types.ExternalFunction("mj_resetData", _STEP_SIGNATURE)
 mj_kinematics = types.ExternalFunction("mj_kinematics", _STEP_SIGNATURE)
 
 
@@ -78,8 +79,11 @@ def load() -> None:
     llvmlite.binding.load_library_permanently(str(libraries[0]))
 
 
-def physics(model: mujoco.MjModel, data: mujoco.MjData) -> Physics:
-    """Views of `data` for the kernel; they stay valid as long as `data` lives."""
+def physics(model: mujoco.MjModel, data: mujoco.MjData, address: int | None = None) -> Physics:
+    """Views of `data` for the kernel; they stay valid as long as `data` lives.
+
+    `address` is that of another mjModel of the same shape, to be used instead of `model`'s own.
+    """
     layout = _contact_layout()
     count = _integers(_energy(data) + layout.count_offset, 1)
     # The contact array starts the arena, and the arena never moves.
@@ -87,7 +91,7 @@ def physics(model: mujoco.MjModel, data: mujoco.MjData) -> Physics:
     flat = _integers(first, MAX_CONTACTS * layout.stride // 4)
     geoms = flat.reshape(MAX_CONTACTS, layout.stride // 4)[:, :2]
     return Physics(
-        model=model._address,
+        model=model._address if address is None else address,
         data=data._address,
         qpos=data.qpos,
         qvel=data.qvel,

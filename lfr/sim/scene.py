@@ -18,7 +18,8 @@ import lfr.robots
 import lfr.tasks
 from lfr.errors import LfrError
 from lfr.robots import Robot
-from lfr.sim.placement import StartDistribution, start_distribution
+from lfr.sim.placement import start_arrays
+from lfr.sim.start import StartArrays
 from lfr.sim.stock import make_stock_environment
 from lfr.tasks import Task
 
@@ -61,8 +62,7 @@ class Scene:
     task: Task
     model: mujoco.MjModel
     arrays: SceneArrays
-    start: StartDistribution
-    open_fingers: NDArray[np.float64]  # (2,) qpos of the finger joints at the start
+    start: StartArrays
 
 
 def build_scene(robot: str, task: str) -> Scene:
@@ -85,8 +85,7 @@ def build_scene(robot: str, task: str) -> Scene:
         task=chosen,
         model=model,
         arrays=_arrays(environment, model, data, arm, chosen),
-        start=start_distribution(environment),
-        open_fingers=np.array(environment.robots[0].gripper["right"].init_qpos, dtype=np.float64),
+        start=start_arrays(environment, model),
     )
 
 
@@ -111,6 +110,8 @@ def pruned_spec(xml: str, robot: Robot, task: Task) -> mujoco.MjSpec:
     spec.compiler.discardvisual = True
     # Otherwise MuJoCo answers a divergence with a reset of its own, and the kernel never sees it.
     spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET.value
+    # With so few bodies, finding what can be solved apart costs more than it saves.
+    spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_ISLAND.value
     return spec
 
 

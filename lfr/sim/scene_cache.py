@@ -9,11 +9,9 @@ from __future__ import annotations
 
 import functools
 import hashlib
-import json
 import logging
 import os
 import zipfile
-from dataclasses import asdict
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -24,11 +22,14 @@ import numpy as np
 import lfr.robots
 import lfr.tasks
 from lfr.sim.compilation import writable_folder
-from lfr.sim.placement import ObjectPlacement, StartDistribution
 from lfr.sim.scene import Scene, SceneArrays, build_scene
+from lfr.sim.start import StartArrays
 
 _LOG = logging.getLogger(__name__)
-_SOURCES = ("sim/placement.py", "sim/scene.py", "sim/stock.py", "robots.py", "tasks.py")
+_SOURCES = (
+    *("sim/placement.py", "sim/scene.py", "sim/start.py", "sim/stock.py"),
+    *("robots.py", "tasks.py"),
+)
 
 
 def load_scene(robot: str, task: str) -> Scene:
@@ -69,43 +70,23 @@ def scene_folder() -> Path | None:
 def _write(path: Path, scene: Scene) -> None:
     model = np.empty(mujoco.mj_sizeModel(scene.model), dtype=np.uint8)
     mujoco.mj_saveModel(scene.model, None, model)
-    arrays = {f"arrays.{name}": value for name, value in scene.arrays._asdict().items()}
-    start = asdict(scene.start)
-    start["joint_position"] = scene.start.joint_position.tolist()
+    parts = {"arrays": scene.arrays, "start": scene.start}
+    arrays = {f"{p}.{name}": v for p, part in parts.items() for name, v in part._asdict().items()}
     # Several processes may build it at once; each renames a whole file of its own into place.
     partial = path.with_name(f".{path.stem}-{os.getpid()}.npz")
-    np.savez(
-        partial, model=model, start=json.dumps(start), open_fingers=scene.open_fingers, **arrays
-    )
+    np.savez(partial, model=model, **arrays)
     partial.replace(path)
 
 
 def _read(path: Path, robot: str, task: str) -> Scene:
     with np.load(path, allow_pickle=False) as kept:
         model = mujoco.MjModel.from_binary_path("scene.mjb", {"scene.mjb": kept["model"].tobytes()})
-        # Numbers come back as arrays without a dimension.
-        values: dict[str, Any] = {name: kept[f"arrays.{name}"] for name in SceneArrays._fields}
-        values = {name: v if v.ndim else v.item() for name, v in values.items()}
-        start = json.loads(str(kept["start"]))
-        fingers = kept["open_fingers"]
-    objects = start.pop("objects")
-    return Scene(
-        robot=lfr.robots.robot(robot),
-        task=lfr.tasks.task(task),
-        model=model,
-        arrays=SceneArrays(**values),
-        start=StartDistribution(
-            joint_position=np.array(start["joint_position"]),
-            joint_noise=start["joint_noise"],
-            objects=tuple(ObjectPlacement(**_tuples(item)) for item in objects),
-            size_range=_tuples(start)["size_range"],
-        ),
-        open_fingers=fingers,
-    )
+        arrays = SceneArrays(**_part(kept, "arrays", SceneArrays._fields))
+        start = StartArrays(**_part(kept, "start", StartArrays._fields))
+    return Scene(lfr.robots.robot(robot), lfr.tasks.task(task), model, arrays, start)
 
 
-def _tuples(value: Any) -> Any:
-    """JSON's lists as the tuples that they were."""
-    if isinstance(value, dict):
-        return {name: _tuples(item) for name, item in value.items()}
-    return tuple(_tuples(item) for item in value) if isinstance(value, list) else value
+def _part(kept: Any, part: str, fields: tuple[str, ...]) -> dict[str, Any]:
+    """Numbers come back as arrays without a dimension."""
+    values = {name: kept[f"{part}.{name}"] for name in fields}
+    return {name: v if v.ndim else v.item() for name, v in values.items()}

@@ -1,9 +1,7 @@
 """One arm in one task on the compiled engine."""
 
-import copy
 import functools
 import logging
-from collections.abc import Iterator
 
 import mujoco
 import numpy as np
@@ -11,10 +9,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from lfr.sim import kernel, libmujoco, osc
 from lfr.sim.compilation import compiling_once
+from lfr.sim.cube import ResizableModel, no_cube, resize
+from lfr.sim.engine import engine
 from lfr.sim.layout import ObservationLayout, Steps
-from lfr.sim.placement import Start
 from lfr.sim.scene import Scene
 from lfr.sim.scene_cache import load_scene
+from lfr.sim.start import room
 
 _LOG = logging.getLogger(__name__)
 
@@ -38,45 +38,33 @@ class Simulation:
         self.robot, self.task = scene.robot, scene.task
         self.layout = ObservationLayout.of(scene.task)
         self.horizon = scene.task.horizon
+        self._model, self._data = scene.model, mujoco.MjData(scene.model)
         # Only Lift changes its model, by the size of its cube.
-        self._resizable = scene.start.size_range is not None
-        self._model = scene.model if not self._resizable else copy.copy(scene.model)
-        self._data = mujoco.MjData(self._model)
-        self._physics = libmujoco.physics(self._model, self._data)
+        self._own = ResizableModel(self._model, "cube_main") if scene.start.sized else None
+        address = None if self._own is None else self._own.address
+        self._cube = no_cube() if self._own is None else self._own.cube
+        self._physics = libmujoco.physics(self._model, self._data, address)
         self._control = osc.controller()
-        self._object_places = tuple(self._places())
-        self._cube_size = np.zeros(3)
+        self._drawn = room(len(scene.start.heights))
+        self._observation = np.zeros(self.layout.size)
         with compiling_once():
+            self._engine = engine(
+                self._physics, scene.arrays, self._control, scene.start, self._drawn, self._cube
+            )
             self.reset(0)
 
     def reset(self, seed: int) -> NDArray[np.float64]:
         """Start an episode that `seed` fully determines; returns the observation (D,).
 
         The start is the one that stock robosuite draws from the same seed.
+
+        Raises:
+            ValueError: a seed below 0, or not below 2^64.
         """
-        start = self._scene.start.sample(seed)
-        if start.cube_size is not None:
-            self._resize_cube(start.cube_size)
-        mujoco.mj_resetData(self._model, self._data)
-        self._place(start)
-        self._control.posture[:] = start.joint_position
-        self._control.gripper[:] = 0.0
-        return self.observation()
-
-    def _place(self, start: Start) -> None:
-        position = self._physics.qpos
-        position[: osc.JOINTS] = start.joint_position
-        # robosuite writes the open position in the order of the gripper's joints.
-        position[osc.JOINTS : osc.JOINTS + 2] = self._scene.open_fingers
-        for joint, place in self._object_places:
-            position[place] = start.object_poses[joint]
-
-    def _places(self) -> Iterator[tuple[str, slice]]:
-        """Each observed object's free joint and where its pose stands in qpos."""
-        for body in self.task.objects.values():
-            joint = self._model.joint(int(self._model.body(body).jntadr[0]))
-            address = int(joint.qposadr[0])
-            yield joint.name, slice(address, address + 7)
+        if not 0 <= seed < 2**64:
+            raise ValueError(f"seed {seed}, expected one from 0 to 2^64 - 1")
+        kernel.reset(self._engine, np.uint64(seed), self._observation)  # type: ignore[arg-type]
+        return self._observation.copy()
 
     def step(self, actions: ArrayLike, stop_on_success: bool = False) -> Steps:
         """Apply `actions` (H, 7) one control step each; stop early at success if asked to.
@@ -92,27 +80,22 @@ class Simulation:
             return Steps(observations, rewards, successes)
         observations[0] = self._observation
         n, diverged = kernel.run(
-            self._physics,
-            self._scene.arrays,
-            self._control,
+            self._engine,
             actions,
             stop_on_success,
             observations,
             rewards,
             successes,
         )
-        self._observation = observations[n - 1]
+        self._observation[:] = observations[n - 1]
         if diverged:
             _LOG.warning("%s-%s: the physics diverged", self.robot.name, self.task.name)
         return Steps(observations[:n], rewards[:n], successes[:n], bool(diverged))
 
     def observation(self) -> NDArray[np.float64]:
         """The current observation (D,), in the base frame; see `lfr.sim.layout`."""
-        row, none = np.empty((1, self.layout.size)), np.empty((0, 7))
-        arguments = (self._physics, self._scene.arrays, self._control, none, False)
-        kernel.run(*arguments, row, np.empty(0), np.empty(0, dtype=np.bool_))
-        self._observation = row[0]
-        return row[0].copy()
+        kernel.current(self._engine, self._observation)
+        return self._observation.copy()
 
     def position(self) -> NDArray[np.float64]:
         """(nq,): generalized positions of the arm, the fingers and the task's objects."""
@@ -133,13 +116,13 @@ class Simulation:
 
     def cube_size(self) -> NDArray[np.float64]:
         """(3,) m, half size of Lift's cube; zeros in the other tasks."""
-        return self._cube_size.copy()
+        return self._drawn.cube_size.copy()
 
     def state(self) -> NDArray[np.float64]:
         """(S,): qpos, qvel, warm start, null-space target (7,), gripper command, cube size (3,)."""
         data, control = self._data, self._control
         parts = (data.qpos, data.qvel, data.qacc_warmstart, control.posture, control.gripper)
-        return np.concatenate([*parts, self._cube_size])
+        return np.concatenate([*parts, self._drawn.cube_size])
 
     def set_state(self, state: ArrayLike) -> None:
         """Continue exactly from a `state()` of the same robot and task.
@@ -153,29 +136,13 @@ class Simulation:
         if state.shape != (sum(lengths),):
             raise ValueError(f"state has shape {state.shape}, expected ({sum(lengths)},)")
         parts = np.split(state, np.cumsum(lengths)[:-1])
-        if self._resizable:
-            self._resize_cube(parts[5])
+        self._drawn.cube_size[:] = parts[5]
+        if self._own is not None:
+            resize(self._cube, self._drawn.cube_size)
         mujoco.mj_resetData(model, data)
         data.qpos[:], data.qvel[:], data.qacc_warmstart[:] = parts[:3]
         self._control.posture[:], self._control.gripper[:] = parts[3:5]
         self.observation()
-
-    def _resize_cube(self, size: NDArray[np.float64]) -> None:
-        """Give Lift's cube other half sizes (m), as a compilation of the model with them would."""
-        model, body = self._model, self._model.body(next(iter(self.task.objects.values())))
-        geom, node = int(body.geomadr[0]), int(model.body_bvhadr[body.id])
-        # From the scene's own model, so that nothing of an earlier cube enters.
-        built = self._scene.model
-        density = built.body_mass[body.id] / np.prod(built.geom_size[geom])
-        mass = density * np.prod(size)
-        model.geom_size[geom] = size
-        model.geom_rbound[geom] = np.linalg.norm(size)
-        model.geom_aabb[geom, 3:] = model.bvh_aabb[node, 3:] = size
-        squares = size**2
-        model.body_mass[body.id] = mass
-        model.body_inertia[body.id] = mass / 3 * (squares.sum() - squares)
-        mujoco.mj_setConst(model, self._data)
-        self._cube_size[:] = size
 
 
 @functools.cache

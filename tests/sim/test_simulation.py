@@ -120,15 +120,15 @@ def test_lift_varies_its_cube_as_a_newly_built_model_does(robot: str) -> None:
     sizes = []
     for seed in (0, 1):
         engine, oracle = pair(robot, "lift", seed)
-        ours, theirs = engine._model, oracle._model
-        mine, stocks = ours.body("cube_main"), theirs.body("cube_main")
-        assert mine.mass[0] == pytest.approx(stocks.mass[0], rel=1e-9)
-        np.testing.assert_allclose(sorted(mine.inertia), sorted(stocks.inertia), rtol=1e-6)
-        np.testing.assert_allclose(mine.invweight0, stocks.invweight0, rtol=1e-6)
+        ours, theirs = engine._cube, oracle._model
+        stocks = theirs.body("cube_main")
+        assert ours.mass[0] == pytest.approx(stocks.mass[0], rel=1e-9)
+        np.testing.assert_allclose(sorted(ours.inertia), sorted(stocks.inertia), rtol=1e-6)
+        np.testing.assert_allclose(ours.inverse_weight, stocks.invweight0, rtol=1e-6)
         size = theirs.geom("cube_g0").size
-        np.testing.assert_allclose(ours.geom("cube_g0").size, size, rtol=1e-12)
-        assert ours.geom("cube_g0").rbound[0] == pytest.approx(np.linalg.norm(size))
-        assert ours.stat.meaninertia == pytest.approx(theirs.stat.meaninertia, rel=1e-6)
+        np.testing.assert_allclose(ours.size, size, rtol=1e-12)
+        assert ours.radius[0] == pytest.approx(np.linalg.norm(size))
+        assert ours.mean_inertia[0] == pytest.approx(theirs.stat.meaninertia, rel=1e-6)
         sizes.append(size.copy())
     assert not np.allclose(*sizes)
 
