@@ -1,9 +1,10 @@
-"""What every stage does alike: its place for unfinished work, and what it says of its own run."""
+"""What stages do alike: names, a place for unfinished work, and what a run says of itself."""
 
 from __future__ import annotations
 
 import shutil
 import time
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,9 +19,25 @@ from lfr.artifacts import (
 )
 from lfr.errors import ParameterError
 from lfr.jobs import peak_memory
+from lfr.robots import robot as robot_named
+from lfr.tasks import task as task_named
 
 # When a stage imports this: a commit that is made while it runs is not what it runs.
 BEGAN, MADE_BY = time.perf_counter(), provenance()
+
+
+def dataset_name(robot: str, task: str) -> str:
+    """What the demonstrations of a task by a robot are called, as logs and as a dataset.
+
+    Raises:
+        UnknownNameError: there is no such robot or task.
+    """
+    return f"{robot_named(robot).name}-{task_named(task).name}"
+
+
+def rows_of(datasets: Iterable[Path]) -> list[Path]:
+    """The parts of datasets that training reads: all but the videos."""
+    return [path / part for path in datasets for part in ("meta", "data")]
 
 
 def unfinished_work(stage: str, key: str, *parts: object, code: tuple[str, ...]) -> Path:
@@ -40,18 +57,18 @@ def unfinished_work(stage: str, key: str, *parts: object, code: tuple[str, ...])
     return folder
 
 
-def write_metrics(path: Path, metrics: dict[str, Any]) -> None:
-    """The stage's metrics with those of its run, which `lfr.evaluation.records.StageRun` reads.
+def write_metrics(stage: str, key: str, metrics: dict[str, Any]) -> None:
+    """Write results/<stage>/<key>.json: the metrics, and those of the run that made them.
 
-    These are the wall-clock seconds, the peak memory of its largest process in bytes, and the git
-    revision and versions (`lfr.artifacts.provenance`).
+    Of the run, `lfr.evaluation.records.StageRun` reads the wall-clock seconds, the peak memory of
+    its largest process in bytes, and the git revision and versions (`lfr.artifacts.provenance`).
     """
     run = {
         "seconds": round(time.perf_counter() - BEGAN, 1),
         "peak_memory": peak_memory(),
         "provenance": MADE_BY,
     }
-    write_json(path, {**metrics, **run})
+    write_json(Path("results") / stage / f"{key}.json", {**metrics, **run})
 
 
 @dataclass(frozen=True)

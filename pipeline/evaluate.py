@@ -49,7 +49,7 @@ def main(transfer: str, method: str) -> None:
         for seed in seeds
     ]
     about = {"transfer": transfer, "method": method, "judge": params.judges[0], "runs": runs}
-    write_metrics(Path("results/evaluate") / f"{name}.json", about)
+    write_metrics("evaluate", name, about)
 
 
 if __name__ == "__main__":

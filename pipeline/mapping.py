@@ -14,10 +14,10 @@ from lfr.scenarios import scenario as scenario_named
 from lfr.scenarios import transfer as transfer_named
 from lfr.skills.demonstrations import DATASETS
 from lfr.skills.params import SkillsParams
-from pipeline._stage import SeedParams, models_into, unfinished_work, write_metrics
+from pipeline._stage import SeedParams, models_into, rows_of, unfinished_work, write_metrics
 
 CODE = (
-    "lfr.mapping", "lfr.skills", "lfr.data", "lfr.sim", "lfr.scenarios", "lfr.seeds",
+    "lfr.mapping", "lfr.skills", "lfr.models", "lfr.data", "lfr.sim", "lfr.scenarios", "lfr.seeds",
     "lfr.robots", "lfr.tasks", "lfr.evaluation.chain", "lfr.evaluation.policies",
     "lfr.evaluation.rollouts", "lfr.evaluation.trials",
 )  # fmt: skip
@@ -40,7 +40,7 @@ def main(transfer: str) -> None:
         )
         for task in tasks
     ]
-    inputs = [path / part for path in datasets for part in ("meta", "data")]
+    inputs = rows_of(datasets)
     work = unfinished_work(
         "mapping", transfer, chosen, params, held_out, seed, skills, *inputs, code=CODE
     )
@@ -50,8 +50,8 @@ def main(transfer: str) -> None:
     chain = success_rates(trials, work, f"chain {transfer}")
     models_into(Path("models/mapping") / transfer, work / "models")
     about = {"source": chosen.source, "target": chosen.target, "task": chosen.task}
-    write_metrics(Path("results/chain") / f"{transfer}.json", {**about, "links": chain})
-    write_metrics(Path("results/mapping") / f"{transfer}.json", report)
+    write_metrics("chain", transfer, {**about, "links": chain})
+    write_metrics("mapping", transfer, report)
 
 
 if __name__ == "__main__":

@@ -9,9 +9,7 @@ from lfr.data.dataset import pack_dataset
 from lfr.data.log_reader import list_logs
 from lfr.params import read_section
 from lfr.program import run_stage
-from lfr.robots import robot as robot_named
-from lfr.tasks import task as task_named
-from pipeline._stage import write_metrics
+from pipeline._stage import dataset_name, write_metrics
 
 
 @dataclass(frozen=True)
@@ -24,16 +22,14 @@ class PackParams:
 
 def main(robot: str, task: str) -> None:
     """Pack data/logs/<robot>-<task> into the dataset data/lerobot/<robot>-<task>."""
-    robot_named(robot)
-    task_named(task)
+    name = dataset_name(robot, task)
     params = read_section(PackParams, "pack")
-    name = f"{robot}-{task}"
     out = Path("data/lerobot") / name
     logs = list_logs(Path("data/logs") / name)
     counts = pack_dataset(logs, out, video=params.video, fps=params.fps)
     check_dataset(out, fps=params.fps, robot=robot, task=task)
     size = sum(file.stat().st_size for file in out.rglob("*") if file.is_file())
-    write_metrics(Path("results/pack") / f"{name}.json", {**counts, "bytes": size})
+    write_metrics("pack", name, {**counts, "bytes": size})
 
 
 if __name__ == "__main__":

@@ -14,11 +14,11 @@ from lfr.scenarios import visible_tasks
 from lfr.skills.demonstrations import DATASETS
 from lfr.skills.models import roles_of, train_models
 from lfr.skills.params import SkillsParams
-from pipeline._stage import SeedParams, models_into, unfinished_work, write_metrics
+from pipeline._stage import SeedParams, models_into, rows_of, unfinished_work, write_metrics
 
 CODE = (
-    "lfr.skills", "lfr.data", "lfr.sim", "lfr.scenarios", "lfr.seeds", "lfr.robots", "lfr.tasks",
-    "lfr.evaluation.own_arm", "lfr.evaluation.policies", "lfr.evaluation.rollouts",
+    "lfr.skills", "lfr.models", "lfr.data", "lfr.sim", "lfr.scenarios", "lfr.seeds", "lfr.robots",
+    "lfr.tasks", "lfr.evaluation.own_arm", "lfr.evaluation.policies", "lfr.evaluation.rollouts",
     "lfr.evaluation.trials",
 )  # fmt: skip
 
@@ -35,7 +35,7 @@ def main(transfer: str) -> None:
         for role, robot in roles_of(chosen).items()
         for task in visible_tasks(scenario, robot, role)
     }
-    inputs = [path / part for path in sorted(datasets) for part in ("meta", "data")]
+    inputs = rows_of(sorted(datasets))
     work = unfinished_work("skills", transfer, scenario, params, seed, *inputs, code=CODE)
 
     report = train_models(scenario, chosen, params, seed, work)
@@ -44,7 +44,7 @@ def main(transfer: str) -> None:
         role, task = name.split("/")
         report[role]["prior"][task]["own_arm"] = found
     models_into(Path("models/skills") / transfer, work / "models")
-    write_metrics(Path("results/skills") / f"{transfer}.json", report)
+    write_metrics("skills", transfer, report)
 
 
 if __name__ == "__main__":

@@ -40,11 +40,10 @@ def main(transfer: str, method: str) -> None:
     ]
     runs = run_jobs(learn, jobs, work=work, description=f"transfer {name}", unit="run")
 
-    results = Path("results/transfer")
     with write_whole(Path("models/transfer") / name) as partial:
         for seed, folder in folders.items():
             _gather(folder, partial / f"seed-{seed}")
-    _write_curves(results / f"{name}.csv", runs)
+    _write_curves(Path("results/transfer") / f"{name}.csv", runs)
     seen = [load_seen(skills / role / "vae") for role in ("source", "target")]
     about = {
         "transfer": transfer,
@@ -56,7 +55,7 @@ def main(transfer: str, method: str) -> None:
         "runs": [_summary(run) for run in runs],
         "datasets": seen[0].datasets | seen[1].datasets,
     }
-    write_metrics(results / f"{name}.json", about)
+    write_metrics("transfer", name, about)
     for folder in folders.values():  # the replay buffers: large, and of no more use
         shutil.rmtree(folder / "checkpoints", ignore_errors=True)
 

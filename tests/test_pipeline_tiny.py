@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from lfr.artifacts import read_json
-from lfr.data.log import list_logs, read_log
+from lfr.data.log_reader import list_logs, read_log
 from lfr.evaluation.records import LINKS
 from lfr.mapping.artifacts import load_mapping_seen
 from lfr.params import read_yaml

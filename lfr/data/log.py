@@ -17,11 +17,7 @@ from the clock: the same episode recorded again by the same revision is the same
 
 from __future__ import annotations
 
-import json
-import os
-from collections import Counter
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from functools import cache
 from pathlib import Path
@@ -29,19 +25,13 @@ from types import TracebackType
 from typing import Any, Self
 
 import numpy as np
-from foxglove import Channel, Context, Schema, open_mcap
-from foxglove.mcap import MCAPCompression, MCAPWriteOptions
 from numpy.typing import ArrayLike, NDArray
 
 from lfr.artifacts import provenance
 from lfr.data import messages
 from lfr.data.episode import ACTION_NAMES, FPS, EpisodeInfo
-from lfr.data.log_reader import body_poses, list_logs, read_log
-from lfr.data.mcap_file import message_counts, settle
+from lfr.data.mcap_writer import McapWriter
 from lfr.data.messages import CameraModel, Pose
-from lfr.errors import DataError
-
-__all__ = ["CameraModel", "EpisodeLog", "Frame", "body_poses", "list_logs", "read_log"]
 
 FLUSH_FRAMES = 20  # a crash costs at most one second (measured: 905 of 910 messages recovered)
 # Seeds start 100 s apart from 2000-01-01 on (the longest horizon is 15 s), so that episodes
@@ -87,25 +77,11 @@ class EpisodeLog:
     def __init__(
         self, path: Path, info: EpisodeInfo, cameras: Mapping[str, CameraModel] | None = None
     ) -> None:
-        self.path = Path(path)
-        self.partial = self.path.with_name(self.path.name + ".partial")
         self._info = info
         self._cameras = dict(cameras or {})
         self._start = EPOCH_NS + info.seed * SEED_NS
-        self._logged: Counter[str] = Counter()
-        self._frames, self._success, self._finished = 0, False, False
-
-        self.partial.parent.mkdir(parents=True, exist_ok=True)
-        self._context = Context()
-        self._writer = open_mcap(
-            self.partial,
-            allow_overwrite=True,  # a .partial that a killed process left
-            context=self._context,
-            writer_options=MCAPWriteOptions(
-                compression=MCAPCompression.Zstd, compression_threads=0, profile=""
-            ),
-        )
-        self._channels: dict[str, Channel] = {}
+        self._frames, self._success = 0, False
+        self._file = McapWriter(path)
         names = (*info.state_names, *info.environment_names)
         self._schemas = {
             messages.OBSERVATION: messages.record("Observation", names),
@@ -136,14 +112,14 @@ class EpisodeLog:
         joints = messages.joint_states(
             self._info.joint_names, frame.joint_position, frame.joint_velocity, now
         )
-        self._log(messages.JOINT_STATES, joints, now)
+        self._file.log(messages.JOINT_STATES, joints, now)
         self._log_transforms(frame.body_poses, now)
         for camera, image in frame.images.items():
             self._log_image(camera, image, now)
         self._success |= bool(frame.success)
         self._frames += 1
         if self._frames % FLUSH_FRAMES == 0:
-            self._flush()
+            self._file.flush()
 
     def finish(
         self,
@@ -170,33 +146,12 @@ class EpisodeLog:
             "frames": self._frames,
             "success": self._success if success is None else bool(success),
         }
-        try:
-            self._writer.write_metadata("outcome", _texts(outcome))
-            self._writer.close()
-            settle(self.partial)
-            found = message_counts(self.partial)
-        except (OSError, RuntimeError, DataError) as error:
-            self.abandon()
-            raise DataError("the log was not written, is the disk full?", file=self.path) from error
-        if found != dict(self._logged):
-            self.abandon()
-            raise DataError(
-                "the log was not written whole, is the disk full?",
-                file=self.path,
-                found=f"{sum(found.values())} messages",
-                expected=sum(self._logged.values()),
-            )
-        os.replace(self.partial, self.path)
-        _sync_folder(self.path.parent)
-        self._finished = True
-        return self.path
+        self._file.finish(outcome=outcome)
+        return self._file.path
 
     def abandon(self) -> None:
         """Close and remove the unfinished file."""
-        self._finished = True
-        with suppress(RuntimeError):  # a full disk: what cannot be written is not wanted either
-            self._writer.close()
-        self.partial.unlink(missing_ok=True)
+        self._file.abandon()
 
     def __enter__(self) -> Self:
         return self
@@ -207,17 +162,11 @@ class EpisodeLog:
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        if not self._finished:
+        if not self._file.finished:
             self.abandon()
 
     def _now(self) -> int:
         return self._start + self._frames * (10**9 // FPS)
-
-    def _flush(self) -> None:
-        try:
-            self._writer.flush()
-        except RuntimeError as error:  # the SDK's word for an error of the disk
-            raise DataError("the log was not written, is the disk full?", file=self.path) from error
 
     def _write_metadata(self) -> None:
         info = asdict(self._info)
@@ -227,55 +176,28 @@ class EpisodeLog:
             key: {"dtype": f.dtype, "shape": f.shape, "names": f.names, "about": f.about}
             for key, f in self._info.features.items()
         }
-        self._writer.write_metadata("episode", _texts({**named, "created_by": "lfr"}))
-        self._writer.write_metadata("features", _texts(schema))
-        self._writer.write_metadata("provenance", _texts(_provenance()))
+        self._file.metadata(
+            episode={**named, "created_by": "lfr"}, features=schema, provenance=_provenance()
+        )
 
     def _log_record(self, topic: str, values: ArrayLike, now: int) -> None:
         data = self._encoders[topic](np.asarray(values, np.float64).tolist())
-        self._log(topic, data, now, self._schemas[topic])
+        self._file.log(topic, data, now, self._schemas[topic])
 
     def _log_transforms(self, poses: Mapping[str, Pose], now: int) -> None:
         if poses:
-            self._log(messages.TRANSFORMS, messages.transforms(poses, now), now)
+            self._file.log(messages.TRANSFORMS, messages.transforms(poses, now), now)
 
     def _log_image(self, camera: str, image: NDArray[np.uint8], now: int) -> None:
         topic = messages.CAMERA + camera
-        if self._logged[topic] == 0 and camera in self._cameras:
+        if self._file.counts[topic] == 0 and camera in self._cameras:
             model = self._cameras[camera]
             calibration = messages.calibration(camera, model, now)
-            self._log(topic + messages.CALIBRATION, calibration, now)
+            self._file.log(topic + messages.CALIBRATION, calibration, now)
             self._log_transforms({camera: (model.position, model.quaternion)}, now)
-        self._log(topic, messages.jpeg(camera, image, now), now)
-
-    def _log(self, topic: str, message: Any, now: int, schema: Schema | None = None) -> None:
-        if topic not in self._channels:
-            self._channels[topic] = Channel(
-                topic,
-                schema=schema or type(message).get_schema(),
-                message_encoding="protobuf",
-                context=self._context,
-            )
-        data = message if isinstance(message, bytes) else message.encode()
-        self._channels[topic].log(data, log_time=now)
-        self._logged[topic] += 1
+        self._file.log(topic, messages.jpeg(camera, image, now), now)
 
 
 @cache
 def _provenance() -> dict[str, Any]:
     return provenance()  # asks git: once for a process, not once for an episode
-
-
-def _texts(record: Mapping[str, Any]) -> dict[str, str]:
-    """MCAP's metadata is text: strings as they are, anything else as JSON."""
-    return {
-        key: value if isinstance(value, str) else json.dumps(value) for key, value in record.items()
-    }
-
-
-def _sync_folder(folder: Path) -> None:
-    descriptor = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)

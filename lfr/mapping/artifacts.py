@@ -6,11 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from lfr.mapping.generator import Generator
-from lfr.params import from_mapping
-from lfr.skills.artifacts import load_kind, restored, save_kind
+from lfr.models import ModelKind, load_seen_as
 
-KIND = "generator"
-SHAPE = ("latent_dim", "hidden", "layers")
+GENERATOR = ModelKind("generator", Generator, ("latent_dim", "hidden", "layers"))
 
 
 @dataclass(frozen=True)
@@ -34,7 +32,7 @@ class MappingSeen:
 
 
 def save_generator(folder: Path, generator: Generator, seen: MappingSeen) -> None:
-    save_kind(folder, KIND, {name: getattr(generator, name) for name in SHAPE}, generator, seen)
+    GENERATOR.save(folder, generator, seen)
 
 
 def load_generator(folder: Path) -> Generator:
@@ -43,11 +41,9 @@ def load_generator(folder: Path) -> Generator:
     Raises:
         DataError: the folder holds no generator, or a damaged one.
     """
-    shape, _, tensors = load_kind(folder, KIND)
-    return restored(Generator(**shape), tensors, folder)
+    return GENERATOR.load(folder)
 
 
 def load_mapping_seen(folder: Path) -> MappingSeen:
     """What the generator in a folder has learned from."""
-    _, seen, _ = load_kind(folder, KIND)
-    return from_mapping(MappingSeen, seen, str(folder / "config.json"))
+    return load_seen_as(MappingSeen, folder, GENERATOR)

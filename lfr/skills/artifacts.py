@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-from torch import nn
-
-from lfr.artifacts import load_model, plain, save_model
 from lfr.errors import DataError
-from lfr.params import from_mapping
+from lfr.models import ModelKind, load_seen_as
 from lfr.skills.prior import SkillPrior
 from lfr.skills.vae import SkillVAE
+
+VAE = ModelKind("skill_vae", SkillVAE, ("horizon", "action_dim", "latent_dim", "hidden", "execute"))
+PRIOR = ModelKind("skill_prior", SkillPrior, ("layout_names", "latent_dim", "hidden", "layers"))
 
 
 @dataclass(frozen=True)
@@ -36,8 +35,7 @@ class Seen:
 
 
 def save_vae(folder: Path, vae: SkillVAE, seen: Seen) -> None:
-    shape = ("horizon", "action_dim", "latent_dim", "hidden", "execute")
-    save_kind(folder, "skill_vae", {name: getattr(vae, name) for name in shape}, vae, seen)
+    VAE.save(folder, vae, seen)
 
 
 def load_vae(folder: Path) -> SkillVAE:
@@ -46,13 +44,11 @@ def load_vae(folder: Path) -> SkillVAE:
     Raises:
         DataError: the folder holds no skill VAE, or a damaged one.
     """
-    shape, _, tensors = load_kind(folder, "skill_vae")
-    return restored(SkillVAE(**shape), tensors, folder)
+    return VAE.load(folder)
 
 
 def save_prior(folder: Path, prior: SkillPrior, seen: Seen) -> None:
-    shape = ("layout_names", "latent_dim", "hidden", "layers")
-    save_kind(folder, "skill_prior", {name: getattr(prior, name) for name in shape}, prior, seen)
+    PRIOR.save(folder, prior, seen)
 
 
 def load_prior(folder: Path, layout_names: Sequence[str] | None = None) -> SkillPrior:
@@ -64,16 +60,15 @@ def load_prior(folder: Path, layout_names: Sequence[str] | None = None) -> Skill
     Raises:
         DataError: no skill prior, a damaged one, or one trained on another state layout.
     """
-    shape, _, tensors = load_kind(folder, "skill_prior")
+    prior = PRIOR.load(folder)
     if layout_names is not None:
-        check_layout(folder, shape["layout_names"], layout_names)
-    return restored(SkillPrior(**shape), tensors, folder)
+        check_layout(folder, prior.layout_names, layout_names)
+    return prior
 
 
 def load_seen(folder: Path) -> Seen:
     """What the model in a folder has learned from."""
-    _, seen, _ = load_kind(folder, None)
-    return from_mapping(Seen, seen, str(folder / "config.json"))
+    return load_seen_as(Seen, folder)
 
 
 def check_layout(folder: Path, found: Sequence[str], expected: Sequence[str]) -> None:
@@ -93,47 +88,3 @@ def check_layout(folder: Path, found: Sequence[str], expected: Sequence[str]) ->
         found=was,
         expected=wanted,
     )
-
-
-def save_kind(
-    folder: Path, kind: str, shape: dict[str, Any], model: nn.Module, seen: object
-) -> None:
-    """A model with what it takes to build it again, and what it has seen (a dataclass)."""
-    config = {"kind": kind, "model": plain(shape), "seen": plain(seen)}
-    save_model(folder, config, model.state_dict())
-
-
-def load_kind(
-    folder: Path, kind: str | None
-) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
-    """A model's shape, what it has seen, and its tensors; ``kind`` None takes any.
-
-    Raises:
-        DataError: the folder holds no model of this kind, or a damaged one.
-    """
-    config, tensors = load_model(folder)
-    if kind is not None and config.get("kind") != kind:
-        raise DataError(
-            "another kind of model",
-            file=folder / "config.json",
-            found=config.get("kind"),
-            expected=kind,
-        )
-    return config["model"], config["seen"], tensors
-
-
-def restored[Model: nn.Module](model: Model, tensors: dict[str, Any], folder: Path) -> Model:
-    """The model with these tensors, ready to be used.
-
-    Raises:
-        DataError: they do not fit it.
-    """
-    try:
-        model.load_state_dict(tensors)
-    except RuntimeError as error:
-        raise DataError(
-            "the tensors do not fit the configuration",
-            file=folder / "model.safetensors",
-            found=str(error).splitlines()[-1].strip(),
-        ) from None
-    return model.eval()

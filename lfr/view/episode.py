@@ -15,38 +15,23 @@ Entities, on the timelines `time` (s) and `frame`:
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lfr.artifacts import write_whole
-from lfr.data.episode import (
-    ACTION,
-    ENVIRONMENT_STATE,
-    JOINT_POSITION,
-    REWARD,
-    STATE,
-    SUCCESS,
-    Episode,
-)
-from lfr.view import series
+from lfr.data.episode import ENVIRONMENT_STATE, STATE, Episode
 from lfr.view.blueprint import EpisodeLayout, episode_blueprint
 from lfr.view.eye import eye_on
+from lfr.view.features import log_features, observation_groups, observation_title
 from lfr.view.motion import Poses, poses_of
+from lfr.view.path import log_path
 from lfr.view.scene import WORLD, body_path, log_scene, moving_bodies
-from lfr.view.series import frame_times, log_series, log_states
+from lfr.view.series import frame_times
 
 if TYPE_CHECKING:
     import rerun as rr
-
-APERTURE_SCALE = 0.08
-"""m; the common scale of both arms' apertures (field notes, part 7)."""
-
-OPEN_COLOR, CLOSING_COLOR = series.BLUE, series.AMBER
-FAILURE, SUCCESSFUL = (90, 94, 102), series.GREEN
 
 
 def episode_title(episode: Episode, note: str | None = None) -> str:
@@ -140,31 +125,6 @@ def log_cube_size(recording: rr.RecordingStream, episode: Episode, world: str = 
         recording.log(f"{body_path('cube_main', world)}/box", cube, static=True)
 
 
-def end_effector_path(episode: Episode, poses: Poses) -> NDArray[np.float64] | None:
-    """The end effector's positions (T, 3) in the world (m), or None where they are not known."""
-    import lfr.robots
-
-    base = poses.get(lfr.robots.robot(episode.robot).base_body)
-    if STATE not in episode.features or base is None:
-        return None
-    return base[0, :3] + episode.features[STATE][:, :3] @ _rotation(base[0, 3:]).T
-
-
-def log_path(recording: rr.RecordingStream, episode: Episode, poses: Poses) -> None:
-    """Log the end effector's way through the world, coloured by what the gripper is told to do."""
-    import rerun as rr
-
-    path = end_effector_path(episode, poses)
-    if path is None:
-        return
-    closing = episode.features[ACTION][:, -1] > 0
-    parts = (("open", ~closing, OPEN_COLOR), ("closing", closing, CLOSING_COLOR))
-    for name, held, color in parts:
-        strips = [path[start : end + 1] for start, end in _runs(held)]
-        line = rr.LineStrips3D(strips, colors=[color] * len(strips), radii=rr.Radius.ui_points(1.5))
-        recording.log(f"/path/gripper_{name}", line, static=True)
-
-
 def log_cameras(recording: rr.RecordingStream, episode: Episode) -> None:
     """Log the recorded JPEG images of every camera."""
     import rerun as rr
@@ -174,42 +134,6 @@ def log_cameras(recording: rr.RecordingStream, episode: Episode) -> None:
         recording.log(path, rr.EncodedImage.from_fields(media_type="image/jpeg"), static=True)
         columns = rr.EncodedImage.columns(blob=list(files))
         recording.send_columns(path, indexes=frame_times(np.arange(len(files))), columns=columns)
-
-
-def log_features(recording: rr.RecordingStream, episode: Episode) -> None:
-    """Log action, gripper, reward, success, observation and joints as named series."""
-    features, schema = episode.features, episode.schema
-    times = frame_times(np.arange(len(episode)))
-
-    action = np.asarray(features[ACTION])
-    names = tuple(schema[ACTION].names or ()) or tuple(
-        f"action_{k}" for k in range(action.shape[1])
-    )
-    log_series(recording, "/action/translation", times, action[:, :3], names[:3])
-    log_series(recording, "/action/rotation", times, action[:, 3:-1], names[3:-1])
-    log_series(recording, "/action/gripper", times, action[:, -1], ["action"], [series.AMBER])
-
-    if REWARD in features:
-        log_series(recording, "/reward", times, features[REWARD], ["reward"], [series.VIOLET])
-    if SUCCESS in features:
-        words = np.where(features[SUCCESS], "success", "not yet")
-        colors = {"not yet": FAILURE, "success": SUCCESSFUL}
-        log_states(recording, "/state/success", times, list(words), colors)
-    words = np.where(action[:, -1] > 0, "close", "open")
-    colors = {"open": OPEN_COLOR, "close": CLOSING_COLOR}
-    log_states(recording, "/state/gripper", times, list(words), colors)
-
-    state = features.get(STATE)
-    if state is not None and state.shape[1] == 11:
-        opening = np.stack([state[:, 9] / APERTURE_SCALE, state[:, 10]], axis=1)
-        labels = [f"aperture (1 = {100 * APERTURE_SCALE:.0f} cm)", "integrated command"]
-        log_series(recording, "/gripper", times, opening, labels, [series.TEAL, series.GREY])
-    for key in (STATE, ENVIRONMENT_STATE):
-        if key in features:
-            _log_groups(recording, times, features[key], schema[key].names or ())
-    if JOINT_POSITION in features:
-        joints = [name.removeprefix("robot0_") for name in schema[JOINT_POSITION].names or ()]
-        log_series(recording, "/joints", times, features[JOINT_POSITION], joints)
 
 
 def log_about(recording: rr.RecordingStream, episode: Episode, title: str) -> None:
@@ -227,41 +151,3 @@ def log_about(recording: rr.RecordingStream, episode: Episode, title: str) -> No
     rows = "\n".join(f"| {key} | {value} |" for key, value in known.items())
     text = f"# {title}\n\n| | |\n|---|---|\n{rows}\n"
     recording.log("/about", rr.TextDocument(text, media_type="text/markdown"), static=True)
-
-
-def observation_groups(names: Sequence[str]) -> dict[str, list[int]]:
-    """Dimensions by the part of their name before the dot: `cube_pos` -> [0, 1, 2]."""
-    groups: dict[str, list[int]] = {}
-    for index, name in enumerate(names):
-        groups.setdefault(name.split(".")[0], []).append(index)
-    return groups
-
-
-def observation_title(group: str) -> str:
-    """A group of the observation with its unit: positions, offsets and the aperture are lengths."""
-    length = group.endswith(("_pos", "_aperture")) or "_to_" in group
-    return f"{group} (m)" if length else group
-
-
-def _log_groups(
-    recording: rr.RecordingStream,
-    times: list[rr.TimeColumn],
-    values: NDArray[np.float32],
-    names: Sequence[str],
-) -> None:
-    for group, indices in observation_groups(names).items():
-        parts = [names[index].partition(".")[2] or group for index in indices]
-        log_series(recording, f"/observation/{group}", times, values[:, indices], parts)
-
-
-def _runs(held: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """First and last-plus-one index of every stretch of True."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], held, [False]]).astype(np.int8)))
-    return [(int(start), int(end)) for start, end in edges.reshape(-1, 2)]
-
-
-def _rotation(quaternion: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(3, 3) of a unit quaternion wxyz."""
-    from scipy.spatial.transform import Rotation
-
-    return Rotation.from_quat(quaternion, scalar_first=True).as_matrix()

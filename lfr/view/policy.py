@@ -25,9 +25,10 @@ from lfr.artifacts import write_whole
 from lfr.data.episode import Episode
 from lfr.view import latent, series
 from lfr.view.blueprint import policy_blueprint
-from lfr.view.episode import end_effector_path, episode_layout, log_episode
+from lfr.view.episode import episode_layout, log_episode
 from lfr.view.latent import log_axes, log_gaussian, log_points
 from lfr.view.motion import Poses, poses_of
+from lfr.view.path import end_effector_path
 from lfr.view.series import frame_times, log_series
 from lfr.view.trace import SkillTrace
 

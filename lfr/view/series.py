@@ -19,6 +19,7 @@ RED, GREEN, BLUE = (240, 86, 92), (76, 195, 112), (82, 150, 255)  # x, y, z
 AMBER, TEAL, VIOLET = (255, 178, 56), (64, 200, 200), (176, 132, 255)
 GREY, WHITE = (150, 155, 165), (236, 238, 242)
 PALETTE: tuple[Color, ...] = (RED, GREEN, BLUE, AMBER, TEAL, VIOLET, GREY, WHITE)
+OPEN_COLOR, CLOSING_COLOR = BLUE, AMBER  # what the gripper is told to do
 
 
 def frame_times(frames: ArrayLike, fps: float = FPS) -> list[rr.TimeColumn]:

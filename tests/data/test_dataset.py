@@ -17,9 +17,11 @@ from PIL import Image
 
 from lfr.artifacts import read_json
 from lfr.data import dataset as packing
+from lfr.data import frames as frame_files
 from lfr.data.dataset import pack_dataset
 from lfr.data.episode import Episode
-from lfr.data.log import EpisodeLog, read_log
+from lfr.data.log import EpisodeLog
+from lfr.data.log_reader import read_log
 from lfr.errors import DataError
 
 from . import made_up
@@ -206,7 +208,7 @@ def test_a_large_dataset_is_split_into_files(
 ) -> None:
     from lfr.data import video, windows
 
-    monkeypatch.setattr(packing, "MAX_BYTES", 4000)
+    monkeypatch.setattr(frame_files, "MAX_BYTES", 4000)
     monkeypatch.setattr(video, "MAX_BYTES", 0)  # what the encoder still holds has no size
     pack_dataset(logs, tmp_path / "split", video=True)  # it compares every row with the logs
     assert len(list((tmp_path / "split/data").rglob("*.parquet"))) > 1
@@ -256,9 +258,9 @@ def test_what_differs_from_the_logs_is_not_given_the_name(
     logs: list[Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """As if the disk had changed an action between writing and reading."""
-    write = packing._arrow
+    write = frame_files._arrow
     monkeypatch.setattr(
-        packing,
+        frame_files,
         "_arrow",
         lambda values, type: write(values + 1 if values.shape[1:] == (3,) else values, type),
     )

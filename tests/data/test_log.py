@@ -18,7 +18,9 @@ from mcap.writer import Writer
 
 from lfr.data import log as log_module
 from lfr.data.episode import FEATURES
-from lfr.data.log import CameraModel, EpisodeLog, body_poses, list_logs, read_log
+from lfr.data.log import EpisodeLog
+from lfr.data.log_reader import body_poses, list_logs, read_log
+from lfr.data.messages import CameraModel
 from lfr.errors import DataError
 
 from . import made_up

@@ -8,7 +8,7 @@ import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lfr.data.log import read_log
+from lfr.data.log_reader import read_log
 from lfr.data.windows import DemonstrationSet, Windows, read_dataset
 from lfr.errors import DataError
 

@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from lfr.data.log import read_log
-from lfr.data.log_reader import body_poses, list_logs
+from lfr.data.log_reader import body_poses, list_logs, read_log
 from lfr.demos import recorder
 from lfr.demos.attempt import Moment
 from lfr.demos.recorder import CameraParams, RecordParams, record_demonstrations

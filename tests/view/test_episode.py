@@ -43,7 +43,7 @@ def test_series_are_the_recorded_features(recorded: Recorded, shown: Path) -> No
 
 
 def test_the_path_ends_where_the_hand_is(recorded: Recorded, shown: Path) -> None:
-    from lfr.view.episode import end_effector_path
+    from lfr.view.path import end_effector_path
 
     path = end_effector_path(recorded.episode, recorded.poses)
     assert path is not None

@@ -1,0 +1,118 @@
+"""The frames of a dataset: its folder `data`, one row for each control step."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lfr.data.episode import Episode
+from lfr.data.stats import Stats, vector_stats
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+MAX_BYTES = 100 * 2**20  # of one Parquet file, before compression; LeRobot's data_files_size_in_mb
+
+
+class FrameWriter:
+    """Writes the frames of episodes one after the other into as few Parquet files as fit.
+
+    Attributes:
+        episodes, frames: how many were written.
+    """
+
+    def __init__(self, root: Path, features: Mapping[str, Mapping[str, Any]], fps: int) -> None:
+        """For the dataset at `root`, with these entries of its info.json, LeRobot's own aside."""
+        from lerobot.datasets.feature_utils import get_hf_features_from_features
+        from lerobot.datasets.utils import DEFAULT_DATA_PATH
+        from lerobot.utils.constants import DEFAULT_FEATURES
+
+        self.episodes, self.frames = 0, 0
+        self._root, self._path, self._fps = root, DEFAULT_DATA_PATH, fps
+        self._keys = tuple(features)
+        arrow = get_hf_features_from_features({**features, **DEFAULT_FEATURES}).arrow_schema
+        self._schema: pa.Schema = arrow
+        self._columns: dict[str, list[NDArray]] = {key: [] for key in self._schema.names}
+        self._parquet: pq.ParquetWriter | None = None
+        self._files, self._bytes = 0, 0
+
+    def write(self, episode: Episode, task_index: int) -> tuple[dict[str, int], dict[str, Stats]]:
+        """Write one episode's frames.
+
+        Returns:
+            Where they are, as the columns of meta/episodes, and the statistics of each column.
+        """
+        columns = self._columns_of(episode, task_index)
+        for key, values in columns.items():
+            self._columns[key].append(values)
+        stats = _stats(columns.items())
+        self._write_row_group(columns)
+        where = {
+            "data/chunk_index": (self._files - 1) // 1000,
+            "data/file_index": (self._files - 1) % 1000,
+            "dataset_from_index": self.frames,
+            "dataset_to_index": self.frames + len(episode),
+        }
+        self.episodes += 1
+        self.frames += len(episode)
+        return where, stats
+
+    def close(self) -> None:
+        if self._parquet is not None:
+            self._parquet.close()
+
+    @property
+    def stats(self) -> dict[str, Stats]:
+        """Statistics of each column over all episodes."""
+        return _stats((key, np.concatenate(parts)) for key, parts in self._columns.items())
+
+    def _columns_of(self, episode: Episode, task_index: int) -> dict[str, NDArray]:
+        length = len(episode)
+        return {
+            **{key: episode.features[key] for key in self._keys},
+            "timestamp": (np.arange(length) / self._fps).astype(np.float32),
+            "frame_index": np.arange(length),
+            "episode_index": np.full(length, self.episodes),
+            "index": np.arange(self.frames, self.frames + length),
+            "task_index": np.full(length, task_index),
+        }
+
+    def _write_row_group(self, columns: Mapping[str, NDArray]) -> None:
+        """One row group for each episode, as LeRobot has it."""
+        import pyarrow as pa
+        import pyarrow.parquet as pq
+
+        size = sum(values.nbytes for values in columns.values())
+        if self._parquet is not None and self._bytes + size > MAX_BYTES:
+            self._parquet.close()
+            self._parquet = None
+        if self._parquet is None:
+            path = self._root / self._path.format(
+                chunk_index=self._files // 1000, file_index=self._files % 1000
+            )
+            path.parent.mkdir(parents=True, exist_ok=True)
+            self._parquet = pq.ParquetWriter(
+                path, schema=self._schema, compression="snappy", use_dictionary=True
+            )
+            self._files, self._bytes = self._files + 1, 0
+        arrays = [_arrow(columns[field.name], field.type) for field in self._schema]
+        self._parquet.write_table(pa.Table.from_arrays(arrays, schema=self._schema))
+        self._bytes += size
+
+
+def _stats(columns: Iterable[tuple[str, NDArray]]) -> dict[str, Stats]:
+    return {key: vector_stats(values) for key, values in columns}
+
+
+def _arrow(values: NDArray, type: pa.DataType) -> pa.Array:
+    import pyarrow as pa
+
+    if pa.types.is_fixed_size_list(type):
+        flat = pa.array(np.ascontiguousarray(values).reshape(-1), type.value_type)
+        return pa.FixedSizeListArray.from_arrays(flat, type=type)
+    return pa.array(values, type)

@@ -1,0 +1,78 @@
+"""Networks on disk, each with what it takes to build it again and what it has learned from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from lfr.artifacts import load_model, plain, save_model
+from lfr.errors import DataError
+from lfr.params import from_mapping
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+    from torch import Tensor, nn
+
+
+@dataclass(frozen=True)
+class ModelKind[Model: nn.Module]:
+    """Models of one class, each a folder of ``config.json`` and ``model.safetensors``.
+
+    Attributes:
+        name: what ``config.json`` calls them, so that no model is taken for one of another kind.
+        network: their class.
+        shape: the names of its constructor's arguments, which are names of its attributes too.
+    """
+
+    name: str
+    network: type[Model]
+    shape: tuple[str, ...]
+
+    def save(self, folder: Path, model: Model, seen: object) -> None:
+        """Write a model whole, with what it has seen (a dataclass)."""
+        shape = {name: getattr(model, name) for name in self.shape}
+        config = {"kind": self.name, "model": plain(shape), "seen": plain(seen)}
+        save_model(folder, config, model.state_dict())
+
+    def load(self, folder: Path) -> Model:
+        """The model in a folder, ready to be used.
+
+        Raises:
+            DataError: the folder holds no model of this kind, or a damaged one.
+        """
+        config, tensors = self.read(folder)
+        model = self.network(**config["model"])
+        try:
+            model.load_state_dict(tensors)
+        except RuntimeError as error:
+            raise DataError(
+                "the tensors do not fit the configuration",
+                file=folder / "model.safetensors",
+                found=str(error).splitlines()[-1].strip(),
+            ) from None
+        return model.eval()
+
+    def read(self, folder: Path) -> tuple[dict[str, Any], dict[str, Tensor]]:
+        """What ``config.json`` says, and the tensors; raises as `load` does."""
+        config, tensors = load_model(folder)
+        if config.get("kind") != self.name:
+            raise DataError(
+                "another kind of model",
+                file=folder / "config.json",
+                found=config.get("kind"),
+                expected=self.name,
+            )
+        return config, tensors
+
+
+def load_seen_as[Seen: DataclassInstance](
+    seen: type[Seen], folder: Path, kind: ModelKind | None = None
+) -> Seen:
+    """What the model in a folder has learned from, as a dataclass; ``kind`` None takes any.
+
+    Raises:
+        DataError: the folder holds no model of this kind, or a damaged one.
+    """
+    config, _ = load_model(folder) if kind is None else kind.read(folder)
+    return from_mapping(seen, config["seen"], str(folder / "config.json"))
