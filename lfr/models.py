@@ -31,8 +31,7 @@ class ModelKind[Model: nn.Module]:
 
     def save(self, folder: Path, model: Model, seen: object) -> None:
         """Write a model whole, with what it has seen (a dataclass)."""
-        shape = {name: getattr(model, name) for name in self.shape}
-        config = {"kind": self.name, "model": plain(shape), "seen": plain(seen)}
+        config = {"kind": self.name, "model": self.shape_of(model), "seen": plain(seen)}
         save_model(folder, config, model.state_dict())
 
     def load(self, folder: Path) -> Model:
@@ -41,8 +40,20 @@ class ModelKind[Model: nn.Module]:
         Raises:
             DataError: the folder holds no model of this kind, or a damaged one.
         """
-        config, tensors = self.read(folder)
-        model = self.network(**config["model"])
+        config, tensors = read_model(folder, self.name)
+        return self.build(config["model"], tensors, folder)
+
+    def shape_of(self, model: Model) -> dict[str, Any]:
+        """The constructor's arguments that gave ``model``, as JSON holds them."""
+        return {name: plain(getattr(model, name)) for name in self.shape}
+
+    def build(self, shape: dict[str, Any], tensors: dict[str, Tensor], folder: Path) -> Model:
+        """A model of this shape with these tensors, ready to be used.
+
+        Raises:
+            DataError: the tensors, which come from ``folder``, are not those of such a model.
+        """
+        model = self.network(**shape)
         try:
             model.load_state_dict(tensors)
         except RuntimeError as error:
@@ -53,17 +64,22 @@ class ModelKind[Model: nn.Module]:
             ) from None
         return model.eval()
 
-    def read(self, folder: Path) -> tuple[dict[str, Any], dict[str, Tensor]]:
-        """What ``config.json`` says, and the tensors; raises as `load` does."""
-        config, tensors = load_model(folder)
-        if config.get("kind") != self.name:
-            raise DataError(
-                "another kind of model",
-                file=folder / "config.json",
-                found=config.get("kind"),
-                expected=self.name,
-            )
-        return config, tensors
+
+def read_model(folder: Path, kind: str) -> tuple[dict[str, Any], dict[str, Tensor]]:
+    """What ``config.json`` says, and the tensors.
+
+    Raises:
+        DataError: the folder holds no model of this kind, or a damaged one.
+    """
+    config, tensors = load_model(folder)
+    if config.get("kind") != kind:
+        raise DataError(
+            "another kind of model",
+            file=folder / "config.json",
+            found=config.get("kind"),
+            expected=kind,
+        )
+    return config, tensors
 
 
 def load_seen_as[Seen: DataclassInstance](
@@ -74,5 +90,5 @@ def load_seen_as[Seen: DataclassInstance](
     Raises:
         DataError: the folder holds no model of this kind, or a damaged one.
     """
-    config, _ = load_model(folder) if kind is None else kind.read(folder)
+    config, _ = load_model(folder) if kind is None else read_model(folder, kind.name)
     return from_mapping(seen, config["seen"], str(folder / "config.json"))

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     import rerun as rr
 
 APERTURE_SCALE = 0.08
-"""m; the common scale of both arms' apertures (field notes, part 7)."""
+"""m; the common scale of both arms' apertures."""
 
 FAILURE, SUCCESSFUL = (90, 94, 102), series.GREEN
 
