@@ -11,18 +11,6 @@ from lfr.artifacts import file_hash
 from lfr.data.checks import check_dataset
 from lfr.data.tables import DatasetFiles
 from lfr.errors import DataError
-from lfr.mapping.artifacts import KIND as GENERATOR
-from lfr.mapping.artifacts import load_generator
-from lfr.skills.artifacts import load_prior, load_vae
-from lfr.transfer.model import KIND as POLICY
-from lfr.transfer.model import load_policy
-
-LOADERS = {
-    "skill_vae": load_vae,
-    "skill_prior": load_prior,
-    GENERATOR: load_generator,
-    POLICY: load_policy,
-}
 
 
 def refuse_faulty_dataset(path: Path) -> None:
@@ -34,21 +22,31 @@ def refuse_faulty_dataset(path: Path) -> None:
     check_dataset(path)
 
 
-def refuse_faulty_models(kinds: Iterable[tuple[Path, str]]) -> None:
+def refuse_faulty_models(models: Iterable[tuple[Path, str]]) -> None:
     """Load each of these models, (folder, kind).
 
     Raises:
         DataError: a kind that nothing loads, a file that is cut off, or tensors that do not fit.
     """
-    for folder, kind in kinds:
-        if kind not in LOADERS:
+    from lfr.mapping.artifacts import load_generator
+    from lfr.skills.artifacts import load_prior, load_vae
+    from lfr.transfer.model import load_policy
+
+    loaders = {
+        "skill_vae": load_vae,
+        "skill_prior": load_prior,
+        "generator": load_generator,
+        "transferred_policy": load_policy,
+    }
+    for folder, kind in models:
+        if kind not in loaders:
             raise DataError(
                 "another kind of model",
                 file=folder / "config.json",
                 found=kind,
-                expected=", ".join(LOADERS),
+                expected=", ".join(loaders),
             )
-        LOADERS[kind](folder)
+        loaders[kind](folder)
 
 
 def logs_of(dataset: Path, folder: Path) -> list[Path]:

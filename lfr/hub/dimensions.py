@@ -64,7 +64,9 @@ def meaning(group: str) -> Meaning | None:
     if group in SYMMETRY:
         turned, reference = ("nut", "peg") if group == "nut_peg_yaw" else (group[:-4], "gripper")
         times = f"cosine and sine of {SYMMETRY[group]} times"
-        return Meaning("", BASE, f"{times} the angle about z from {reference}'s x axis to {turned}'s")
+        return Meaning(
+            "", BASE, f"{times} the angle about z from {reference}'s x axis to {turned}'s"
+        )
     return None
 
 
