@@ -124,22 +124,23 @@ def _range(use: str | None) -> str:
 
 
 def _how(facts: DatasetFacts, making: Making | None, logs: bool) -> str:
-    if not making:
-        return ""
-    versions = making.record["provenance"]["packages"]
-    lines = [
-        f"The scene, reward and success check are those of robosuite {versions['robosuite']}, "
-        f"stepped by MuJoCo {versions['mujoco']} in a compiled kernel that tests hold to "
-        "robosuite's own loop. A scripted expert leads the hand from waypoint to waypoint. What "
-        "the arm executes is its action with noise and a rare shove or slip; `action` is the clean "
-        "one, which a learner should do in that state. Before the first frame the hand drifts, so "
-        "that demonstrations start in many places.",
-        "Frame t holds what was observed before action t, action t, and, as `next.*`, what came "
-        "of it. The robot's base frame has the axes and the origin of the body `robot0_base`.",
-    ]
-    if making.record["failed_seeds"]:
-        failed = ", ".join(str(seed) for seed in making.record["failed_seeds"])
-        lines.append(f"Only successful attempts are kept. Seeds that failed: {failed}.")
+    lines = []
+    if making:
+        versions = making.record["provenance"]["packages"]
+        lines += [
+            "The scene, reward and success check are those of robosuite "
+            f"{versions['robosuite']}, stepped by MuJoCo {versions['mujoco']} in a compiled kernel "
+            "that tests hold to robosuite's own loop. A scripted expert leads the hand from "
+            "waypoint to waypoint. What the arm executes is its action with noise and a rare shove "
+            "or slip; `action` is the clean one, which a learner should do in that state. Before "
+            "the first frame the hand drifts, so that demonstrations start in many places.",
+            "Frame t holds what was observed before action t, action t, and, as `next.*`, what "
+            "came of it. The robot's base frame has the axes and the origin of the body "
+            f"`{ROBOTS[facts.robot].base_body}`.",
+        ]
+        if making.record["failed_seeds"]:
+            failed = ", ".join(str(seed) for seed in making.record["failed_seeds"])
+            lines.append(f"Only successful attempts are kept. Seeds that failed: {failed}.")
     if logs:
         lines.append(
             "`logs/` holds each episode's MCAP log, which Foxglove and rerun open as it is: the "
@@ -232,7 +233,7 @@ def _limits(facts: DatasetFacts, making: Making | None) -> str:
             "the two start in contact, and the friction holds the first joint against the "
             "controller; numbers from there are not comparable."
         )
-    if facts.cameras:
+    if making and facts.cameras:
         lines.append("Pictures are small and meant for people; no model of lfr has seen them.")
     lines.append("One arm and one task: it says nothing of others.")
     return "\n".join(f"- {line}" for line in lines)

@@ -14,9 +14,10 @@ from lfr.tasks import TASKS
 
 ABOUT = {
     "skills": "Skill VAEs and skill priors of two arms. A VAE turns a run of actions into a point "
-    "of a latent space of skills and back; a prior says which skill a demonstrator would choose in a "
-    "state. `source` is the arm that knows the new task, `target` the one that is to learn it and "
-    "has seen the common tasks only; `oracle` is the target as if it had been shown the new one.",
+    "of a latent space of skills and back; a prior says which skill a demonstrator would choose in "
+    "a state. `source` is the arm that knows the new task, `target` the one that is to learn it "
+    "and has seen the common tasks only; `oracle` is the target as if it had been shown the new "
+    "one.",
     "mapping": "Generators between the skill spaces of two arms, learned on the tasks that both "
     "know: G leads from the source's latent space to the target's, F back.",
     "transfer": "A policy that chooses skills for an arm that has no demonstrations of the task: "

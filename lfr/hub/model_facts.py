@@ -134,7 +134,7 @@ def _compare(parts: tuple[Part, ...], noted: dict[str, dict[str, Any]], file: Pa
     for part in parts:
         for stage in ("skills", "transfer"):
             about = noted.get(stage, {})
-            known = about.get(part.seen.get("role"), about).get("datasets", {})
+            known = about.get(part.seen.get("role", ""), about).get("datasets", {})
             for dataset, digest in part.seen.get("datasets", {}).items():
                 if known.get(dataset, digest) != digest:
                     raise DataError(

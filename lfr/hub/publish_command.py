@@ -71,6 +71,8 @@ def run(arguments: argparse.Namespace) -> int:
         return 0
     from lfr.hub.upload import publish_to_hub
 
+    assert repo is not None  # argparse asks for the one or the other
+
     url, commit = publish_to_hub(planned, repo, private=arguments.private or None)
     print(f"{total}: {url} at {commit}")
     return 0
