@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
 
 from lfr.errors import LfrError
@@ -54,6 +55,11 @@ def run(arguments: argparse.Namespace) -> int:
         card=arguments.card,
         tags=tuple(arguments.tag),
     )
+    if arguments.card is None and not arguments.results.is_dir():
+        print(
+            f"lfr: no folder {arguments.results} here: the card cannot say how this was made",
+            file=sys.stderr,
+        )
     sizes = planned.sizes
     if arguments.dry_run:
         for path, size in sorted(sizes.items()):

@@ -1,5 +1,6 @@
 """What is published, what is refused, and publishing to a folder."""
 
+import re
 import shutil
 from pathlib import Path
 
@@ -90,6 +91,27 @@ def test_models_of_which_one_is_cut_off_are_refused(models: Path, tmp_path: Path
     file.write_bytes(file.read_bytes()[:-10])
     with pytest.raises(DataError, match="vae"):
         publication(copy, repo_id=None, results=NOWHERE)
+
+
+def test_without_results_it_says_what_the_card_lacks(
+    dataset: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert publish(dataset, tmp_path / "out") == 0
+    assert "no folder none here" in capsys.readouterr().err
+    assert "## Rebuild" not in (tmp_path / "out" / "README.md").read_text()
+
+
+def test_the_documents_commands_parse(monkeypatch: pytest.MonkeyPatch) -> None:
+    from lfr.hub import card_command, publish_command
+
+    seen = []
+    monkeypatch.setattr(publish_command, "run", seen.append)
+    monkeypatch.setattr(card_command, "run", seen.append)
+    text = (Path(__file__).parent.parent.parent / "docs" / "publish.md").read_text()
+    lines = re.findall(r"^    lfr (.+?)(?:  +#.*)?$", text, re.MULTILINE)
+    for line in lines:
+        assert cli.main(line.split()) == 0
+    assert len(seen) == len(lines) > 5
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,9 @@
 """Publishing against a server that speaks the Hub's API, end to end."""
 
+import os
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -200,10 +203,27 @@ def test_without_the_right_to_write(
     if token:
         (tmp_path / "token").write_text(token)
     assert publish(dataset) == 2
-    (line,) = capsys.readouterr().err.splitlines()
+    line = capsys.readouterr().err.splitlines()[-1]
+    assert line.startswith("lfr: error: ")
     assert "hf auth login" in line
     assert "HF_TOKEN" in line
     assert hub.repositories == {}
+
+
+def test_hub_and_token_come_from_the_usual_places(hub: Hub, models: Path, tmp_path: Path) -> None:
+    (tmp_path / "token").write_text(TOKEN)  # as `hf auth login` leaves it
+    usual = {"HF_ENDPOINT": hub.url, "HF_HOME": str(tmp_path), "HF_HUB_DISABLE_XET": "1"}
+    rest = {name: value for name, value in os.environ.items() if not name.startswith("HF_")}
+    program = "import sys; from lfr.cli import main; sys.exit(main())"
+    done = subprocess.run(
+        [sys.executable, "-c", program, "publish", str(models), "--repo", "someone/skills",
+         "--results", "none"],
+        env={**rest, **usual}, capture_output=True, text=True,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    commit = hub.repositories["model", "someone/skills"].refs["main"]
+    assert f"{hub.url}/someone/skills at {commit}" in done.stdout
+    assert TOKEN not in done.stdout + done.stderr
 
 
 def test_a_card_that_the_hub_refuses_is_told_before_anything_is_sent(
