@@ -12,6 +12,8 @@ from lfr.program import run_program
 
 # Name -> what it does, and the module with its ``add_arguments(parser)`` and ``run(options)``.
 COMMANDS = {
+    "card": ("write the cards of datasets and models", "lfr.hub.card_command"),
+    "publish": ("publish a dataset or models, checked and whole", "lfr.hub.publish_command"),
     "view": ("open an episode, a dataset or a training run in rerun", "lfr.view.command"),
 }
 

@@ -1,0 +1,144 @@
+"""What a dataset's card says of it: counted in its files, and noted by the stages that made it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from lfr.artifacts import read_json
+from lfr.data.tables import DatasetFiles
+from lfr.errors import DataError
+
+FOLDERS = ("meta", "data", "videos")  # of a LeRobot v3.0 dataset
+
+
+@dataclass(frozen=True)
+class Column:
+    """A feature as meta/info.json has it; `codec` is a video's, else empty."""
+
+    key: str
+    dtype: str
+    shape: tuple[int, ...]
+    names: tuple[str, ...]
+    codec: str = ""
+
+
+@dataclass(frozen=True)
+class DatasetFacts:
+    """What its files say.
+
+    Attributes:
+        name: of its folder.
+        robot, task: as the dataset names them; the task is "" where it does not.
+        instructions: the task in words, as LeRobot keeps it.
+        fps: frames per second.
+        lengths: shortest, median and longest episode, in frames.
+        successes: episodes that succeeded; None where the dataset does not say.
+        seeds: first and last seed of its episodes; None where the dataset does not say.
+        size: bytes of its files.
+    """
+
+    name: str
+    robot: str
+    task: str
+    instructions: tuple[str, ...]
+    fps: int
+    episodes: int
+    frames: int
+    lengths: tuple[float, float, float]
+    successes: int | None
+    seeds: tuple[int, int] | None
+    size: int
+    columns: tuple[Column, ...]
+
+    @property
+    def cameras(self) -> tuple[Column, ...]:
+        return tuple(column for column in self.columns if column.dtype == "video")
+
+
+@dataclass(frozen=True)
+class Making:
+    """What the stages record and pack say of how a dataset was made (results/record, /pack)."""
+
+    record: dict[str, Any]
+    pack: dict[str, Any]
+
+
+def read_facts(path: Path) -> DatasetFacts:
+    """Read a dataset's facts from its files, without importing LeRobot.
+
+    Raises:
+        DataError: no dataset, or a cut-off one.
+    """
+    import numpy as np
+
+    path = Path(path)
+    dataset = DatasetFiles.open(path)
+    episodes = dataset.episodes
+    lengths = episodes["length"].to_numpy()
+
+    def column(name: str) -> list[Any]:
+        return episodes[name].to_pylist() if name in episodes.column_names else []
+
+    seeds, successes = column("seed"), column("success")
+    return DatasetFacts(
+        name=path.resolve().name,
+        robot=dataset.info.get("robot_type") or "",
+        task=", ".join(dataset.task_names()),
+        instructions=tuple(dict.fromkeys(one for tasks in column("tasks") for one in tasks)),
+        fps=dataset.info["fps"],
+        episodes=len(lengths),
+        frames=int(lengths.sum()),
+        lengths=(int(lengths.min()), float(np.median(lengths)), int(lengths.max())),
+        successes=sum(successes) if successes else None,
+        seeds=(min(seeds), max(seeds)) if seeds else None,
+        size=sum(file.stat().st_size for file in dataset_files(path)),
+        columns=tuple(_column(key, given) for key, given in dataset.features.items()),
+    )
+
+
+def dataset_files(path: Path) -> list[Path]:
+    """The files of a LeRobot v3.0 dataset, without what lies beside them or is hidden."""
+    files = (file for folder in FOLDERS for file in sorted((path / folder).rglob("*")))
+    return [file for file in files if file.is_file() and not _hidden(file.relative_to(path))]
+
+
+def read_making(facts: DatasetFacts, results: Path) -> Making | None:
+    """What the stages noted of this dataset; None where they noted nothing.
+
+    Raises:
+        DataError: they speak of other numbers than the dataset's files.
+    """
+    files = [results / stage / f"{facts.name}.json" for stage in ("record", "pack")]
+    if not all(file.is_file() for file in files):
+        return None
+    record, pack = (read_json(file) for file in files)
+    noted = [
+        (files[0], "episodes", record["episodes"], facts.episodes),
+        (files[0], "frames", record["frames"], facts.frames),
+        (files[0], "seeds", tuple(record["seeds"].values()), facts.seeds),
+        (files[1], "frames", pack["frames"], facts.frames),
+        (files[1], "successes", pack["successes"], facts.successes),
+        (files[1], "bytes", pack["bytes"], facts.size),
+    ]
+    for file, what, found, expected in noted:
+        if found != expected:
+            raise DataError(
+                f"the results speak of another dataset than {facts.name}; run `dvc repro`",
+                file=file,
+                column=what,
+                found=found,
+                expected=f"{expected}, as in its files",
+            )
+    return Making(record, pack)
+
+
+def _column(key: str, given: dict[str, Any]) -> Column:
+    names = given.get("names") or ()
+    codec = (given.get("info") or {}).get("video.codec", "")
+    return Column(key, given["dtype"], tuple(given["shape"]), tuple(names), codec)
+
+
+def _hidden(path: Path) -> bool:
+    return any(part.startswith(".") for part in path.parts)

@@ -1,0 +1,228 @@
+"""A model's card: what it is, what it has seen, what it reached, how to load and rebuild it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from huggingface_hub import EvalResult, ModelCardData
+
+from lfr.hub.dataset_card import LICENSE
+from lfr.hub.markdown import card, python, shell, table
+from lfr.hub.model_facts import ModelFacts, Part
+from lfr.robots import ROBOTS
+from lfr.tasks import TASKS
+
+ABOUT = {
+    "skills": "Skill VAEs and skill priors of two arms. A VAE turns a run of actions into a point "
+    "of a latent space of skills and back; a prior says which skill a demonstrator would choose in "
+    "a state. `source` is the arm that knows the new task, `target` the one that is to learn it "
+    "and has seen the common tasks only; `oracle` is the target as if it had been shown the new "
+    "one.",
+    "mapping": "Generators between the skill spaces of two arms, learned on the tasks that both "
+    "know: G leads from the source's latent space to the target's, F back.",
+    "transfer": "A policy that chooses skills for an arm that has no demonstrations of the task: "
+    "the other arm's skill prior behind the generator G, improved by SAC in the latent space. "
+    "`initial` is where learning began, the zero-shot policy.",
+}
+LOAD = {
+    "skill_vae": ("lfr.skills.artifacts", "load_vae", "model"),
+    "skill_prior": ("lfr.skills.artifacts", "load_prior", "model"),
+    "generator": ("lfr.mapping.artifacts", "load_generator", "model"),
+    "transferred_policy": ("lfr.transfer.model", "load_policy", "actor, about"),
+}
+
+
+def model_card(facts: ModelFacts, *, repo_id: str | None = None) -> str:
+    """The card of a folder of models, as Markdown with a YAML header.
+
+    Args:
+        facts: of the models.
+        repo_id: where they are published; None is the folder in this project.
+    """
+    results = _results(facts)
+    return card(
+        _header(facts),
+        f"# {facts.title}",
+        f"{ABOUT[facts.stage]} Part of lfr (Learn from Robot), after the method of Yang, Stork and "
+        "Stoyanov; simulated arms, actions in Cartesian space.",
+        "## What is in it",
+        table(("folder", "kind", "arm", "tasks seen", "shape", "kB"), map(_part, facts.parts)),
+        *_seen(facts),
+        "## What it reached" if results else "",
+        results,
+        "## Load",
+        _load(facts, repo_id),
+        *_rebuild(facts),
+        "## Known limits",
+        _limits(facts),
+    )
+
+
+def _header(facts: ModelFacts) -> ModelCardData:
+    robots = dict.fromkeys(r for part in facts.parts for r in _robots(part))
+    task = facts.results.get("transfer", {}).get("task")
+    return ModelCardData(
+        license=LICENSE,
+        library_name="lfr",
+        pipeline_tag="robotics",
+        tags=[t for t in ("robotics", "simulation", "robosuite", facts.stage, *robots, task) if t],
+        model_name=facts.title,
+        eval_results=_evaluations(facts) or None,
+        ignore_metadata_errors=False,
+    )
+
+
+def _evaluations(facts: ModelFacts) -> list[EvalResult]:
+    """The final policies' success, for the Hub's table of results."""
+    learned, judged = facts.results.get("transfer"), facts.results.get("evaluate")
+    if not learned or not judged:
+        return []
+    stock = f"{TASKS[learned['task']].stock_name}, {ROBOTS[learned['robot']].stock_name}"
+    return [
+        EvalResult(
+            task_type="robotics",
+            task_name="robotics",
+            dataset_type=f"{learned['robot']}-{learned['task']}",
+            dataset_name=f"held-out starts of robosuite's {stock}",
+            metric_type="success_rate",
+            metric_name=f"success rate, seed {run['seed']}, judged by {judge}",
+            metric_value=success["rate"],
+        )
+        for run in judged["runs"]
+        for judge, success in run["success"].items()
+    ]
+
+
+def _part(part: Part) -> tuple[str, ...]:
+    tasks = part.seen.get("tasks") or [part.seen.get("task", "")]
+    shape = part.config.get("model") or {}
+    sizes = [f"{key} {value}" for key, value in shape.items() if not isinstance(value, list)]
+    layout = shape.get("layout_names")
+    if layout:
+        sizes.insert(0, f"observation {len(layout)}")
+    if "networks" in part.config:
+        sizes = [f"{name}: {net['class']}" for name, net in part.config["networks"].items()]
+    arms = " to ".join(_robots(part))
+    kind = part.kind.replace("_", " ")
+    return (f"`{part.place}`", kind, arms, ", ".join(tasks), ", ".join(sizes),
+            f"{part.size / 1000:.0f}")  # fmt: skip
+
+
+def _robots(part: Part) -> list[str]:
+    seen = part.seen
+    return [seen["robot"]] if "robot" in seen else [seen[k] for k in ("source", "target")]
+
+
+def _seen(facts: ModelFacts) -> list[str]:
+    """The demonstrations behind the models, by the hash of their rows."""
+    datasets: dict[str, str] = dict(facts.results.get("transfer", {}).get("datasets", {}))
+    for part in facts.parts:
+        datasets |= part.seen.get("datasets", {})
+    if not datasets:
+        return []
+    rows = [(f"`{name}`", f"`{digest}`") for name, digest in datasets.items()]
+    return ["Trained on the demonstrations of:", table(("dataset", "SHA-256 of its rows"), rows)]
+
+
+def _results(facts: ModelFacts) -> str:
+    if "skills" in facts.results:
+        return _skill_results(facts.results["skills"])
+    if "chain" in facts.results:
+        return _mapping_results(facts.results["chain"])
+    if {"transfer", "evaluate"} <= set(facts.results):
+        return _transfer_results(facts.results["transfer"], facts.results["evaluate"])
+    return ""
+
+
+def _skill_results(noted: dict[str, Any]) -> str:
+    rows = [
+        (
+            role,
+            about["robot"],
+            task,
+            _rate(prior["own_arm"]) if prior.get("own_arm") else "",
+            f"{prior['kl_held_out']:.1f}",
+        )
+        for role, about in noted.items()
+        if isinstance(about, dict) and "prior" in about
+        for task, prior in about["prior"].items()
+    ]
+    heads = ("role", "arm", "task", "success of the prior on its own arm",
+             "KL of the prior on held-out episodes, nats")  # fmt: skip
+    return table(heads, rows)
+
+
+def _mapping_results(chain: dict[str, Any]) -> str:
+    rows = [(link, _rate(tally)) for link, tally in chain["links"].items()]
+    return (
+        f"Zero-shot success of {chain['target']} at {chain['task']}, on held-out starts, link by "
+        f"link; `mapped` is what these generators give.\n\n{table(('link', 'success'), rows)}"
+    )
+
+
+def _transfer_results(learned: dict[str, Any], judged: dict[str, Any]) -> str:
+    judges = list(judged["runs"][0]["success"])
+    rows = [
+        (
+            run["seed"],
+            run["env_steps"],
+            _rate(verdict["zero_shot"]),
+            *(_rate(verdict["success"][judge]) for judge in judges),
+        )
+        for run, verdict in zip(learned["runs"], judged["runs"], strict=True)
+    ]
+    heads = ("seed", "environment steps", "zero-shot", *(f"after RL, by {j}" for j in judges))
+    return (
+        f"Success of {learned['robot']} at {learned['task']}, {learned['reward']} reward, on "
+        f"held-out starts.\n\n{table(heads, rows)}"
+    )
+
+
+def _rate(tally: dict[str, Any]) -> str:
+    """Successes with the Wilson interval of 95 %."""
+    low, high = 100 * tally["low"], 100 * tally["high"]
+    return f"{tally['successes']} of {tally['episodes']} ({low:.0f} to {high:.0f} %)"
+
+
+def _load(facts: ModelFacts, repo_id: str | None) -> str:
+    part = next((p for p in facts.parts if not p.place.endswith("initial")), facts.parts[0])
+    module, function, name = LOAD[part.kind]
+    place = f'Path(snapshot_download("{repo_id}"))' if repo_id else f'Path("{facts.folder}")'
+    inside = "" if part.place == "." else f' / "{part.place}"'
+    fetch = ("from huggingface_hub import snapshot_download",) if repo_id else ()
+    return python(
+        "from pathlib import Path",
+        *fetch,
+        f"from {module} import {function}",
+        f"{name} = {function}({place}{inside})",
+    )
+
+
+def _rebuild(facts: ModelFacts) -> list[str]:
+    noted = facts.results.get(facts.stage)
+    if not noted:
+        return []
+    provenance = noted["provenance"]
+    changed = " (with uncommitted changes)" if provenance["modified"] else ""
+    commands = shell(
+        f"git checkout {provenance['revision']}",
+        "make setup",
+        f".venv/bin/dvc repro {facts.stage}@{facts.name}",
+    )
+    return ["## Rebuild", f"In a checkout of lfr, the revision that made it{changed}:", commands]
+
+
+def _limits(facts: ModelFacts) -> str:
+    robots = dict.fromkeys(r for part in facts.parts for r in _robots(part))
+    lines = [
+        "Simulated: no real robot has moved.",
+        "It acts on states in lfr's observation layout, not on pictures, and needs lfr to run.",
+        "The intervals are those of the evaluation's episodes, not of the training.",
+    ]
+    for robot in robots:
+        for first, second in ROBOTS[robot].excluded_contacts if robot in ROBOTS else ():
+            lines.append(
+                f"{ROBOTS[robot].stock_name}'s contact between `{first}` and `{second}` is "
+                "switched off; numbers from stock robosuite are not comparable."
+            )
+    return "\n".join(f"- {line}" for line in lines)

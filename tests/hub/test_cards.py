@@ -1,0 +1,251 @@
+"""The cards: current, complete, and such as the Hub takes."""
+
+import io
+import json
+import re
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+
+from lfr.data.episode import DONE, IMAGES, REWARD, STATE, SUCCESS, features
+from lfr.demos.recorder import RecordParams
+from lfr.errors import DataError
+from lfr.hub import card_command
+from lfr.hub.dataset_card import dataset_card
+from lfr.hub.dataset_facts import Column, DatasetFacts, read_facts, read_making
+from lfr.hub.dimensions import groups
+from lfr.hub.model_facts import read_models
+from lfr.hub.picture import FRAMES, picture
+from lfr.params import read_section
+from lfr.robots import ACTION_NAMES, ROBOTS
+from lfr.seeds import use_of_seed
+from lfr.sim.layout import STATE_NAMES
+from lfr.tasks import TASKS
+from tests.data import made_up
+
+from .conftest import IMAGE_SIZE, LENGTHS
+from .server import header_errors
+
+ROOT = Path(__file__).parent.parent.parent
+RESULTS = ROOT / "results"
+DATASETS = [path.stem for path in sorted((RESULTS / "pack").glob("*.json"))]
+MODELS = [
+    f"{stage}-{path.stem}"
+    for stage in ("skills", "mapping", "transfer")
+    for path in sorted((RESULTS / stage).glob("*.json"))
+]
+datasets = pytest.mark.parametrize("name", DATASETS)
+models = pytest.mark.parametrize("title", MODELS)
+
+
+def read(*parts: str) -> Any:
+    return json.loads(RESULTS.joinpath(*parts).with_suffix(".json").read_text())
+
+
+def header(text: str) -> Any:
+    block = re.match(r"---\n(.*?)\n---\n", text, re.DOTALL)
+    assert block
+    return yaml.safe_load(block[1])
+
+
+def facts_without_data(name: str) -> DatasetFacts:
+    """What a dataset's facts must be, by the results and the code, not by its files."""
+    robot, task = name.split("-")
+    record, pack = read("record", name), read("pack", name)
+    schema = features(STATE_NAMES, TASKS[task].environment_names, ROBOTS[robot].joints)
+    columns = [Column(f.key, f.dtype, f.shape, f.names or ()) for f in schema.values()]
+    camera = read_section(RecordParams, "record", ROOT / "params.yaml").camera
+    for each in pack["cameras"]:
+        assert camera
+        shape, names = (camera.height, camera.width, 3), ("height", "width", "channels")
+        columns.append(Column(f"{IMAGES}{each}", "video", shape, names, "av1"))
+    for key in ("timestamp", "frame_index", "episode_index", "index", "task_index"):
+        columns.append(Column(key, "float32" if key == "timestamp" else "int64", (1,), ()))
+    length, seeds = record["length"], record["seeds"]
+    return DatasetFacts(
+        name, robot, task, (TASKS[task].instruction,), 20, pack["episodes"], pack["frames"],
+        (length["min"], length["median"], length["max"]), pack["successes"],
+        (seeds["first"], seeds["last"]), pack["bytes"], tuple(columns),
+    )  # fmt: skip
+
+
+@datasets
+def test_dataset_cards_are_current(name: str) -> None:
+    facts = facts_without_data(name)
+    shown = f"{name}.jpg" if facts.cameras else None
+    expected = dataset_card(facts, read_making(facts, RESULTS), picture=shown)
+    assert (ROOT / "dataset_cards" / f"{name}.md").read_text() == expected, "run `lfr card`"
+    if shown:
+        assert (ROOT / "dataset_cards" / shown).stat().st_size < 30_000
+
+
+@models
+def test_model_cards_are_current(title: str) -> None:
+    """As far as the results go; the rest is in the models' own config.json."""
+    text = (ROOT / "model_cards" / f"{title}.md").read_text()
+    stage, _, name = title.partition("-")
+    noted = read(stage, name)
+    assert f"git checkout {noted['provenance']['revision']}" in text, "run `lfr card`"
+    assert f"dvc repro {stage}@{name}" in text
+    tallies = list(found(noted, "own_arm")) if stage == "skills" else []
+    tallies += list(read("chain", name)["links"].values()) if stage == "mapping" else []
+    tallies += [s for run in read("evaluate", name)["runs"] for s in run["success"].values()
+                ] if stage == "transfer" else []  # fmt: skip
+    assert tallies
+    for tally in tallies:
+        assert f"{tally['successes']} of {tally['episodes']} (" in text
+    for group in found(noted, "datasets"):
+        for dataset, digest in group.items():
+            assert f"| `{dataset}` | `{digest}` |" in text
+
+
+def found(value: Any, key: str) -> list[Any]:
+    """Everything under this key, at any depth."""
+    if not isinstance(value, dict):
+        return []
+    here = [value[key]] if isinstance(value.get(key), dict) else []
+    return here + [one for part in value.values() for one in found(part, key)]
+
+
+def test_there_is_a_card_for_each_and_no_other() -> None:
+    names = {"dataset_cards": DATASETS, "model_cards": MODELS}
+    for folder, expected in names.items():
+        assert sorted(p.stem for p in (ROOT / folder).glob("*.md")) == sorted(expected)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not (ROOT / "data" / "lerobot").is_dir(), reason="no datasets here")
+def test_cards_and_pictures_are_those_of_the_data(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from lfr import cli
+
+    monkeypatch.chdir(ROOT)
+    assert cli.main(["card", "--check"]) == 0, capsys.readouterr().err
+
+
+@pytest.mark.parametrize("folder", ["dataset_cards", "model_cards"])
+def test_the_hub_takes_the_headers(folder: str) -> None:
+    for file in (ROOT / folder).glob("*.md"):
+        given = header(file.read_text())
+        assert header_errors(given, folder.removesuffix("_cards")) == []
+        if folder == "dataset_cards":
+            robot, task = file.stem.split("-")
+            assert {"LeRobot", robot, task} <= set(given["tags"])
+            assert given["configs"][0]["data_files"] == "data/*/*.parquet"
+
+
+@datasets
+def test_a_card_says_what_the_issue_of_cards_asks(name: str) -> None:
+    text = (ROOT / "dataset_cards" / f"{name}.md").read_text()
+    record = read("record", name)
+    robot = ROBOTS[name.split("-")[0]]
+    assert "`OSC_POSE`" in text
+    assert use_of_seed(record["seeds"]["last"]) == "demonstration"
+    assert f"{record['seeds']['first']} to {record['seeds']['last']}" in text
+    assert f"{100 * (1 - record['failures'] / record['attempts']):.1f} %" in text
+    for pair in robot.excluded_contacts:
+        assert all(f"`{body}`" in text for body in pair)
+    load = re.search(r"## Load\n\n```python\n(.*?)```", text, re.DOTALL)
+    assert load
+    assert len(load[1].splitlines()) == 3
+    compile(load[1], name, "exec")
+
+
+@pytest.mark.parametrize("task", TASKS)
+def test_every_dimension_has_a_meaning(task: str) -> None:
+    names = (*STATE_NAMES, *TASKS[task].environment_names, *ACTION_NAMES)
+    shown = list(groups(names))
+    assert [each for each, meaning in shown if meaning is None] == []
+    count = sum(max(1, each.count(" .")) if "." in each else len(each.split()) for each, _ in shown)
+    assert count == len(names)
+
+
+def test_symmetries_are_those_of_the_documents() -> None:
+    text = (ROOT / "docs" / "data.md").read_text()
+    documented = dict(re.findall(r"`(\w+_yaw)` \(k = (\d)", text))
+    names = {n.split(".")[0] for t in TASKS.values() for n in t.environment_names if "_yaw" in n}
+    assert set(documented) == names
+    for group, k in documented.items():
+        ((_, meaning),) = groups([f"{group}.cos", f"{group}.sin"])
+        assert meaning
+        assert f"cosine and sine of {k} times" in meaning.about
+
+
+def test_facts_are_counted_in_the_files(dataset: Path) -> None:
+    facts = read_facts(dataset)
+    assert (facts.robot, facts.task, facts.fps) == ("panda", "lift", 20)
+    assert (facts.episodes, facts.frames) == (len(LENGTHS), sum(LENGTHS))
+    assert facts.lengths == (min(LENGTHS), np.median(LENGTHS), max(LENGTHS))
+    assert facts.seeds == (0, len(LENGTHS) - 1)
+    assert facts.successes == len(LENGTHS)
+    assert facts.size == sum(f.stat().st_size for f in dataset.rglob("*") if f.is_file())
+    shapes = {column.key: column.shape for column in facts.columns}
+    assert shapes[STATE] == (len(made_up.STATE_NAMES),)
+    assert shapes[REWARD] == shapes[SUCCESS] == shapes[DONE] == (1,)
+    assert shapes[f"{IMAGES}agentview"] == (IMAGE_SIZE, IMAGE_SIZE, 3)
+    assert facts.cameras[0].codec == "av1"
+
+
+def test_a_dataset_by_others_has_a_card_without_our_results(dataset: Path) -> None:
+    facts = replace(read_facts(dataset), robot="so101", task="", seeds=None, successes=None)
+    text = dataset_card(facts, repo_id="someone/else")
+    assert header_errors(header(text), "dataset") == []
+    assert 'LeRobotDataset("someone/else"' in text
+    assert "robosuite" not in header(text)["tags"]
+    assert "## Rebuild" not in text
+
+
+@pytest.mark.parametrize("key", ["frames", "seeds"])
+def test_results_of_another_dataset_are_refused(key: str, tmp_path: Path) -> None:
+    facts = facts_without_data(DATASETS[0])
+    record, pack = read("record", facts.name), read("pack", facts.name)
+    record[key] = {"first": 3, "last": 4} if key == "seeds" else record[key] + 1
+    for stage, noted in (("record", record), ("pack", pack)):
+        (tmp_path / stage).mkdir()
+        (tmp_path / stage / f"{facts.name}.json").write_text(json.dumps(noted))
+    with pytest.raises(DataError, match=f"another dataset.*{key}"):
+        read_making(facts, tmp_path)
+
+
+def test_results_of_other_models_are_refused(models: Path, tmp_path: Path) -> None:
+    noted = {"source": {"datasets": {"sawyer-lift": "1" * 64}}}
+    (tmp_path / "skills").mkdir()
+    (tmp_path / "skills" / "s1-panda-lift.json").write_text(json.dumps(noted))
+    with pytest.raises(DataError, match="other models"):
+        read_models(models, tmp_path)
+
+
+def test_the_picture_shows_the_first_episode_from_first_to_last(dataset: Path) -> None:
+    from PIL import Image
+
+    strip = np.asarray(Image.open(io.BytesIO(picture(dataset, f"{IMAGES}agentview"))), float)
+    assert strip.shape == (IMAGE_SIZE, FRAMES * IMAGE_SIZE, 3)
+    for place, image in enumerate(np.split(strip, FRAMES, axis=1)):
+        frame = place * (LENGTHS[0] - 1) // (FRAMES - 1)
+        expected = made_up.picture(0, frame, IMAGE_SIZE).astype(float)
+        other = made_up.picture(0, frame + 2, IMAGE_SIZE).astype(float)
+        assert np.abs(image - expected).mean() < 5 < np.abs(image - other).mean()
+
+
+def test_cards_are_written_and_checked(
+    dataset: Path, models: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from lfr import cli
+
+    command = ["card", str(dataset), str(models), "--results", "none", "--to", str(tmp_path)]
+    assert cli.main([*command, "--check"]) == 1
+    assert list(tmp_path.iterdir()) == []
+    assert cli.main(command) == 0
+    files = {f.relative_to(tmp_path).as_posix() for f in tmp_path.rglob("*") if f.is_file()}
+    assert files == {"dataset_cards/panda-lift.md", "dataset_cards/panda-lift.jpg",
+                     "model_cards/skills-s1-panda-lift.md"}  # fmt: skip
+    assert cli.main([*command, "--check"]) == 0
+    (tmp_path / card_command.DATASETS / "panda-lift.md").write_text("old")
+    capsys.readouterr()
+    assert cli.main([*command, "--check"]) == 1
+    assert "panda-lift.md: out of date" in capsys.readouterr().err
