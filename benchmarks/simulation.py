@@ -37,6 +37,7 @@ COMBINATIONS = [(robot, task) for robot in ROBOTS for task in TASKS]
 SKILL = 10  # actions in one call
 GOALS = {"lift": 10.0, "stack": 10.0, "pick_place": 8.0, "nut_assembly": 8.0}
 BARE_GOAL, CORES_GOAL, RESET_GOAL, MEMORY_GOAL = 0.9, 1.85, 50.0, 50.0
+THREADS_GOAL = 1.0  # else the batch should use processes
 SEED = 5
 
 Array = NDArray[np.float64]
@@ -131,6 +132,53 @@ def batch_rate(batch: Batch, actions: Array) -> float:
     for t in range(0, len(actions), SKILL):
         batch.step(np.tile(actions[t : t + SKILL], (len(batch), 1, 1)))
     return len(actions) * len(batch) / (time.perf_counter() - began)
+
+
+class Processes:
+    """The batch's other form: `count` simulations shared out over as many processes as threads."""
+
+    def __init__(self, robot: str, task: str, count: int, processes: int, actions: Array) -> None:
+        context = multiprocessing.get_context("spawn")
+        self.work = len(actions) * count
+        self.pipes, self.workers = [], []
+        for _ in range(processes):
+            ours, theirs = context.Pipe()
+            arguments = (robot, task, count // processes, actions, theirs)
+            worker = context.Process(target=_serve, args=arguments, daemon=True)
+            worker.start()
+            self.pipes.append(ours)
+            self.workers.append(worker)
+        self.rate()
+
+    def rate(self) -> float:
+        """Control steps per second (wall clock), until the last process is done."""
+        for pipe in self.pipes:
+            pipe.send(None)
+        for pipe in self.pipes:  # all have reset
+            pipe.recv()
+        began = time.perf_counter()
+        for pipe in self.pipes:
+            pipe.send(None)
+        for pipe in self.pipes:
+            pipe.recv()
+        return self.work / (time.perf_counter() - began)
+
+    def close(self) -> None:
+        for worker in self.workers:
+            worker.terminate()
+            worker.join()
+
+
+def _serve(robot, task, count, actions, pipe):  # type: ignore[no-untyped-def]
+    with Batch(robot, task, count, threads=1) as batch:
+        while True:
+            pipe.recv()
+            batch.reset(np.full(count, SEED))
+            pipe.send(None)
+            pipe.recv()
+            for t in range(0, len(actions), SKILL):
+                batch.step(np.tile(actions[t : t + SKILL], (count, 1, 1)))
+            pipe.send(None)
 
 
 def resets_per_second(reset: Callable[[int], object], count: int) -> float:
@@ -231,6 +279,9 @@ def measure(
                 return batch_rate(batch, actions)
 
             add(compare(f"two cores/{name}", unit, CORES_GOAL, both, single, repeats))
+            others = Processes(robot, task, 8, 2, actions)
+            add(compare(f"threads/{name}", unit, THREADS_GOAL, both, others.rate, repeats))
+            others.close()
         add(memory_figure(robot, task, environments, repeats=1 if repeats < 3 else 3))
     return figures
 

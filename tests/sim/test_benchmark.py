@@ -37,5 +37,5 @@ def test_a_demonstration_succeeds_and_bare_mj_step_follows_it() -> None:
 def test_all_figures_of_one_combination() -> None:
     figures = benchmark.measure([("panda", "stack")], steps=20, repeats=1, environments=3)
     names = {figure.name.split("/")[0] for figure in figures}
-    assert names == {"stock", "mj_step", "reset", "two cores", "memory"}
+    assert names == {"stock", "mj_step", "reset", "two cores", "threads", "memory"}
     assert all(figure.ratio > 0 for figure in figures)
