@@ -1,0 +1,59 @@
+"""Statistics of all rows and of every episode at once, equal to `lfr.data.stats` on each."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lfr.data.stats import QUANTILES, Stats, vector_stats
+
+NAMES = ("min", "max", "mean", "std", "count", *QUANTILES)
+
+
+def dataset_stats(values: NDArray) -> Stats:
+    """Of (N,) or (N, D) values: as `lfr.data.stats.vector_stats`, in bounded memory."""
+    rows = values.reshape(len(values), -1)
+    columns = [vector_stats(rows[:, i]) for i in range(rows.shape[1])]
+    joined = {name: np.concatenate([c[name] for c in columns]) for name in columns[0]}
+    return {**joined, "count": columns[0]["count"]}
+
+
+def episode_stats(values: NDArray, lengths: NDArray[np.int64]) -> Stats:
+    """Statistics of each episode: (E, D) float64 each, and `count` (E, 1).
+
+    Args:
+        values: (N,) or (N, D), the episodes one after the other.
+        lengths: (E,) rows of each, at least 1; their sum is N.
+    """
+    rows = values.reshape(len(values), -1)
+    starts = np.cumsum(lengths) - lengths
+    shape = (len(lengths), rows.shape[1])
+    stats: Stats = {name: np.empty(shape) for name in NAMES if name != "count"}
+    for length in np.unique(lengths):  # episodes of one length are one array
+        chosen = np.flatnonzero(lengths == length)
+        part = rows[starts[chosen, None] + np.arange(length)].astype(np.float64)  # (n, L, D)
+        stats["mean"][chosen], stats["std"][chosen] = part.mean(axis=1), part.std(axis=1)
+        part.sort(axis=1)
+        stats["min"][chosen], stats["max"][chosen] = part[:, 0], part[:, -1]
+        for name, q in QUANTILES.items():
+            stats[name][chosen] = _quantile(part, q)
+    stats["count"] = lengths[:, None]
+    return stats
+
+
+def _quantile(ordered: NDArray[np.float64], q: float) -> NDArray[np.float64]:
+    """(n, D) of (n, L, D) values in order, interpolated linearly as np.quantile does."""
+    at = q * (ordered.shape[1] - 1)
+    low = int(at)
+    high = min(low + 1, ordered.shape[1] - 1)
+    below, above = ordered[:, low], ordered[:, high]
+    t = at - low
+    return below + (above - below) * t if t < 0.5 else above - (above - below) * (1 - t)
+
+
+def averaged(stats: NDArray, counts: NDArray) -> NDArray[np.float64]:
+    """(D,) mean of the episodes' (E, D) values, weighted by their (E, 1) counts.
+
+    It is what LeRobot 0.6.1 takes the quantiles of a dataset for (its issue 4156).
+    """
+    return (stats * counts).sum(axis=0) / counts.sum()
