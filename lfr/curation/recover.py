@@ -155,7 +155,8 @@ def recover(log: Path) -> Recovery:
     times = [message.log_time for message in kept]
     return Recovery(
         log, mended, len(kept), len(saved.messages) - len(kept), frames,
-        (max(times) - min(times)) / 1e9, said, ours and said is None, saved.damaged, saved.unread, saved.suspect,
+        (max(times) - min(times)) / 1e9, said, ours and said is None, saved.damaged, saved.unread,
+        saved.suspect,
     )  # fmt: skip
 
 
