@@ -7,6 +7,7 @@ decoded and encoded again, with the settings that info.json keeps.
 
 from __future__ import annotations
 
+import os
 import shutil
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -98,6 +99,8 @@ def _encode(clip: Clip, path: Path, fps: float, info: dict[str, Any] | None) -> 
     import av
     from av.video.frame import PictureType
     from lerobot.configs import encoder_config_from_video_info
+
+    os.environ.setdefault("SVT_LOG", "1")  # SVT-AV1 prints its settings otherwise: errors only
 
     encoder = encoder_config_from_video_info(info)
     rate = Fraction(fps).limit_denominator(1001)

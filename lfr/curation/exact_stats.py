@@ -18,17 +18,21 @@ def dataset_stats(values: NDArray) -> Stats:
     return {**joined, "count": columns[0]["count"]}
 
 
-def episode_stats(values: NDArray, lengths: NDArray[np.int64]) -> Stats:
+def episode_stats(values: NDArray, lengths: NDArray[np.int64], *, bounds: bool = False) -> Stats:
     """Statistics of each episode: (E, D) float64 each, and `count` (E, 1).
 
     Args:
         values: (N,) or (N, D), the episodes one after the other.
         lengths: (E,) rows of each, at least 1; their sum is N.
+        bounds: with each quantile, as `q01/low` and `q01/high`, what any definition of it lies
+            between: the row before its neighbour below, and the one after its neighbour above.
     """
     rows = values.reshape(len(values), -1)
     starts = np.cumsum(lengths) - lengths
     shape = (len(lengths), rows.shape[1])
-    stats: Stats = {name: np.empty(shape) for name in NAMES if name != "count"}
+    names = [name for name in NAMES if name != "count"]
+    names += [f"{q}/{end}" for q in QUANTILES for end in ("low", "high")] if bounds else []
+    stats: Stats = {name: np.empty(shape) for name in names}
     for length in np.unique(lengths):  # episodes of one length are one array
         chosen = np.flatnonzero(lengths == length)
         part = rows[starts[chosen, None] + np.arange(length)].astype(np.float64)  # (n, L, D)
@@ -37,6 +41,10 @@ def episode_stats(values: NDArray, lengths: NDArray[np.int64]) -> Stats:
         stats["min"][chosen], stats["max"][chosen] = part[:, 0], part[:, -1]
         for name, q in QUANTILES.items():
             stats[name][chosen] = _quantile(part, q)
+            if bounds:
+                below = int(q * (length - 1))
+                stats[f"{name}/low"][chosen] = part[:, max(below - 1, 0)]
+                stats[f"{name}/high"][chosen] = part[:, min(below + 2, length - 1)]
     stats["count"] = lengths[:, None]
     return stats
 
