@@ -142,7 +142,7 @@ class _Assembly:
 
     def _rows(self) -> dict[str, np.ndarray]:
         """Write the data files, one row group for each episode; where each episode is."""
-        limit = int(self.info.get("data_files_size_in_mb") or MEGABYTES) * 2**20
+        limit = (self.info.get("data_files_size_in_mb") or MEGABYTES) * 2**20
         per_chunk = int(self.info.get("chunks_size") or CHUNK)
         writer: pq.ParquetWriter | None = None
         files, size, places, start = 0, 0, [], 0
@@ -265,6 +265,8 @@ class _Assembly:
         stats: dict[str, dict[str, Any]] = {}
         for key in written.numeric():
             values = written.column(key)
+            if not np.isfinite(values).all():
+                continue  # verifying it refuses it
             stats[key] = {name: value.tolist() for name, value in dataset_stats(values).items()}
             for name, value in episode_stats(values, self.lengths).items():
                 table = _with(table, f"stats/{key}/{name}", pa.array(value.tolist()))

@@ -86,7 +86,7 @@ def parse_splits(texts: Sequence[str], path: Path) -> dict[str, list[int]]:
     named = dict(text.partition("=")[::2] for text in texts)
     if len(named) != len(texts) or not all(named) or not all(named.values()):
         raise LfrError(f"parts: found {' '.join(texts)!r}, expected such as train=0-39 test=40-49")
-    if not all("." in value for value in named.values()):
+    if not any("." in value for value in named.values()):
         return {name: parse_episodes(value, path) for name, value in named.items()}
     try:
         fractions = {name: float(value) for name, value in named.items()}
