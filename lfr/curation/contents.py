@@ -170,7 +170,7 @@ class Contents:
         """These columns of all rows."""
         parts = []
         for name, file in zip(self.data_files, self.data, strict=True):
-            where = {"file": self.relative(name), "column": ", ".join(columns)}
+            where: dict[str, Any] = {"file": self.relative(name), "column": ", ".join(columns)}
             missing = [column for column in columns if column not in file.schema_arrow.names]
             if missing:
                 raise Unreadable(Finding("schema", "a column is missing", **where))

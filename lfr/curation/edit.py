@@ -83,7 +83,8 @@ def parse_splits(texts: Sequence[str], path: Path) -> dict[str, list[int]]:
     Raises:
         LfrError: it is neither, or the fractions add up to more than 1.
     """
-    named = dict(text.partition("=")[::2] for text in texts)
+    pieces = [text.partition("=") for text in texts]
+    named = {name: value for name, _, value in pieces}
     if len(named) != len(texts) or not all(named) or not all(named.values()):
         raise LfrError(f"parts: found {' '.join(texts)!r}, expected such as train=0-39 test=40-49")
     if not any("." in value for value in named.values()):

@@ -11,7 +11,7 @@ import json
 import struct
 import zlib
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
@@ -264,7 +264,7 @@ def _topic(saved: Salvage, message: Message) -> str:
     return saved.channels[message.channel_id].topic
 
 
-def _outcome(saved: Salvage, kept: list[Message], frames: int) -> Mapping[str, str]:
+def _outcome(saved: Salvage, kept: list[Message], frames: int) -> dict[str, str]:
     """What the recorder would have written, from the frames that are left, and that it did not."""
     success = any(
         messages.message_class(schema.name, schema.data).FromString(message.data).success  # pyright: ignore[reportAttributeAccessIssue]

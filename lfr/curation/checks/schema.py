@@ -41,8 +41,7 @@ def _described(key: str, feature: dict[str, Any]) -> Iterator[Finding]:
     shape, names = feature.get("shape"), feature.get("names")
     if feature.get("dtype") is None:
         yield Finding("schema", "a feature without dtype", file=INFO, column=key)
-    sizes = isinstance(shape, list) and all(isinstance(s, int) and s > 0 for s in shape)
-    if not sizes:
+    if not (isinstance(shape, list) and all(isinstance(s, int) and s > 0 for s in shape)):
         yield Finding("schema", "no shape", file=INFO, column=key, found=shape,
                       expected="positive numbers")  # fmt: skip
     elif isinstance(names, list) and len(shape) == 1 and names and len(names) != shape[0]:

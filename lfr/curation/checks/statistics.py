@@ -149,21 +149,20 @@ def _is_average(contents: Contents, key: str, name: str, found: NDArray) -> bool
 
 def _pictures(contents: Contents, key: str, stored: Mapping[str, Any]) -> Iterator[Finding]:
     """Of pixels, which are not decoded: in [0, 1] and in order, and those of the episodes."""
-    found = {name: _numbers(stored.get(name), None) for name in NAMES}
-    where = {"file": STATS, "column": key}
-    for name, numbers in found.items():
+    found: dict[str, NDArray[np.float64]] = {}
+    for name in NAMES:
+        numbers = _numbers(stored.get(name), None)
         if numbers is None or not np.isfinite(numbers).all():
-            severity = "warning" if name in QUANTILES and name not in stored else "error"
-            yield Finding("statistics", "no numbers", severity, **{**where, "column":
-                          f"{key}/{name}"}, found=stored.get(name))  # fmt: skip
+            lacking = name in QUANTILES and name not in stored
+            yield Finding("statistics", "no numbers", "warning" if lacking else "error", STATS,
+                          column=f"{key}/{name}", found=stored.get(name))  # fmt: skip
             return
-    order = np.stack([n for n in (found[k] for k in ("min", "q01", "q50", "q99", "max"))
-                      if n is not None])  # fmt: skip
+        found[name] = numbers
+    order = np.stack([found[name] for name in ("min", "q01", "q50", "q99", "max")])
     depth = (contents.features[key].get("info") or {}).get("is_depth_map")
-    if (np.diff(order, axis=0) < -1e-6).any() or (
-        not depth and (order.min() < -1e-6 or order.max() > 1 + 1e-6)
-    ):
-        yield Finding("statistics", "pixels out of order or of [0, 1]", **where,
+    outside = not depth and (order.min() < -1e-6 or order.max() > 1 + 1e-6)
+    if outside or (np.diff(order, axis=0) < -1e-6).any():
+        yield Finding("statistics", "pixels out of order or of [0, 1]", file=STATS, column=key,
                       found=order.tolist())  # fmt: skip
     columns = {n: f"stats/{key}/{n}" for n in ("min", "max", "mean", "count")}
     if not set(columns.values()) <= set(contents.episodes.column_names):

@@ -44,13 +44,14 @@ def check_videos(contents: Contents) -> Iterator[Finding]:
 
 
 def _format(contents: Contents, key: str, name: str, header: VideoHeader) -> Iterator[Finding]:
-    shape = contents.features[key].get("shape") or ()
-    named = dict(zip(contents.features[key].get("names") or (), shape, strict=False))
+    feature = contents.features[key]
+    pairs = zip(feature.get("names") or (), feature.get("shape") or (), strict=False)
+    named: dict[str, int] = dict(pairs)
     expected = (named.get("height"), named.get("width"))
     if None not in expected and (header.height, header.width) != expected:
         yield Finding("shape", "a video of another size than info.json says", file=name, column=key,
                       found=(header.height, header.width), expected=expected)  # fmt: skip
-    info = contents.features[key].get("info") or {}
+    info = feature.get("info") or {}
     fps = info.get("video.fps")
     if fps is not None and fps != contents.fps:
         yield Finding("fps", "a video at another rate than the rows", file="meta/info.json",
