@@ -115,7 +115,7 @@ class Contents:
         """meta/episodes with its statistics, in the order of the files: one row per episode."""
         if not self.episode_files:
             raise Unreadable(Finding("missing-file", "no table of episodes", file=EPISODES))
-        found = [self._read(file) for file in self.episode_files]
+        found = [self.rows_of(file) for file in self.episode_files]
         with unreadable("schema", "its files have different columns", pa.ArrowInvalid,
                         pa.ArrowTypeError, file=EPISODES):  # fmt: skip
             table = pa.concat_tables(found, promote_options="default")
@@ -147,7 +147,7 @@ class Contents:
         """The data files, their footers read."""
         if not self.data_files:
             raise Unreadable(Finding("missing-file", "no rows", file="data"))
-        return [self._open(file) for file in self.data_files]
+        return [self.opened(file) for file in self.data_files]
 
     @cached_property
     def rows_of_files(self) -> list[int]:
@@ -191,13 +191,15 @@ class Contents:
             episode = None
         return {"file": self.relative(file), "episode": episode, "row": row}
 
-    def _open(self, file: Path) -> pq.ParquetFile:
+    def opened(self, file: Path) -> pq.ParquetFile:
+        """A Parquet file, its footer read."""
         with unreadable("damaged-file", "unfinalized or cut-off Parquet", pa.ArrowException,
                         OSError, file=self.relative(file)):  # fmt: skip
             return pq.ParquetFile(file)
 
-    def _read(self, file: Path) -> pa.Table:
-        opened = self._open(file)
+    def rows_of(self, file: Path) -> pa.Table:
+        """All of a Parquet file."""
+        opened = self.opened(file)
         with unreadable("damaged-file", "its rows cannot be read", pa.ArrowException, OSError,
                         file=self.relative(file)):  # fmt: skip
             return opened.read(use_threads=False).replace_schema_metadata()

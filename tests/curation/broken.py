@@ -306,7 +306,7 @@ BROKEN: dict[str, tuple[Break, str, str, str]] = {
                                     "error", "action/max.*expected 7 numbers"),
     "no statistics": (stats(lambda s: s.pop("action")), "statistics", "warning", "column action"),
     "a statistic missing": (stats(lambda s: s["action"].pop("q50")), "statistics", "warning",
-                            "action/q50"),
+                            "column action, .*expected q50"),
     "pixels": (stats(lambda s: s[CAMERA].update(mean=[[[0.99]], [[0.5]], [[0.5]]])), "statistics",
                "error", f"{CAMERA}/mean"),
     "pixels beyond": (stats(lambda s: s[CAMERA].update(max=[[[255]], [[255]], [[255]]])),

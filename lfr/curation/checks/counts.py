@@ -40,7 +40,7 @@ def check_counts(contents: Contents) -> Iterator[Finding]:
 
 def task_words(contents: Contents) -> dict[int, str]:
     """The task's words by task_index, of meta/tasks.parquet."""
-    table = contents._read(contents.path / TASKS)
+    table = contents.rows_of(contents.path / TASKS)
     words = next((n for n in ("task", "__index_level_0__") if n in table.column_names), None)
     if words is None or "task_index" not in table.column_names:
         raise Unreadable(Finding("schema", "not the columns of tasks", file=TASKS,

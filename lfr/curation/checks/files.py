@@ -14,7 +14,7 @@ def check_files(contents: Contents) -> Iterator[Finding]:
     """Every Parquet file can be opened, and those that episodes name are all there are."""
     for file in (*contents.episode_files, *contents.data_files):
         try:
-            contents._open(file)
+            contents.opened(file)
         except Unreadable as unreadable:
             yield unreadable.finding
     if not (contents.path / TASKS).is_file():

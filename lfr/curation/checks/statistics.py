@@ -58,10 +58,11 @@ def _dataset(
 ) -> Iterator[Finding]:
     rows = values.reshape(len(values), -1)
     exact = dataset_stats(values)
+    if missing := [name for name in NAMES if name not in stored]:
+        yield Finding("statistics", "statistics are missing", "warning", STATS, column=key,
+                      found=", ".join(stored), expected=", ".join(missing))  # fmt: skip
     for name in NAMES:
         if name not in stored:
-            yield Finding("statistics", "a statistic is missing", "warning", STATS,
-                          column=f"{key}/{name}")  # fmt: skip
             continue
         found = _numbers(stored[name], exact[name].shape)
         if found is None:
