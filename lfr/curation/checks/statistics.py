@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lfr.curation.contents import EPISODES, PICTURES, STATS, Contents, Runs, runs
 from lfr.curation.exact_stats import NAMES, averaged, dataset_stats, episode_stats
-from lfr.curation.finding import Finding, first, unreadable
+from lfr.curation.finding import Finding, Severity, first, unreadable
 from lfr.data.stats import QUANTILES, Stats
 
 # LeRobot adds float32 values up, so a mean is off by this part of the values' root mean square,
@@ -61,30 +61,35 @@ def _dataset(
     if missing := [name for name in NAMES if name not in stored]:
         yield Finding("statistics", "statistics are missing", "warning", STATS, column=key,
                       found=", ".join(stored), expected=", ".join(missing))  # fmt: skip
-    for name in NAMES:
-        if name not in stored:
-            continue
+    wrong: list[tuple[str, NDArray, NDArray]] = []  # name, found, which dimensions
+    averages: list[tuple[str, NDArray, NDArray]] = []
+    for name in (name for name in NAMES if name in stored):
         found = _numbers(stored[name], exact[name].shape)
         if found is None:
             yield Finding("statistics", "another shape than the feature", file=STATS,
                           column=f"{key}/{name}", found=stored[name],
                           expected=f"{exact[name].size} numbers")  # fmt: skip
             continue
-        wrong = ~_close(name, found[None], {n: v[None] for n, v in exact.items()})[0]
-        if not wrong.any():
+        off = ~_close(name, found[None], {n: v[None] for n, v in exact.items()})[0]
+        if not off.any() or (
+            name in QUANTILES and _is_quantile(found, rows, QUANTILES[name]).all()
+        ):
             continue
-        at, places = first(wrong)
-        where = {"file": STATS, "column": f"{key}/{name}", "found": float(found[at]),
-                 "expected": float(exact[name][at]), "places": places}  # fmt: skip
-        if name not in QUANTILES:
-            yield Finding("statistics", "not the statistics of the rows", **where)
-        elif not _is_quantile(found, rows, QUANTILES[name]).all():
-            if _is_average(contents, key, name, found):
-                yield Finding("averaged-quantiles", "the mean of the episodes' quantiles, not a "
-                              "quantile of the rows (lerobot issue 4156)", "warning",
-                              **where)  # fmt: skip
-            else:
-                yield Finding("statistics", "not a quantile of the rows", **where)
+        average = name in QUANTILES and _is_average(contents, key, name, found)
+        (averages if average else wrong).append((name, found, off))
+    kinds: tuple[tuple[str, str, Severity, list[tuple[str, NDArray, NDArray]]], ...] = (
+        ("statistics", "not the statistics of the rows", "error", wrong),
+        ("averaged-quantiles", "the mean of the episodes' quantiles, not a quantile of the rows "
+         "(lerobot issue 4156)", "warning", averages),
+    )  # fmt: skip
+    for check, message, severity, those in kinds:
+        if those:
+            name, found, off = those[0]
+            at, places = first(off)
+            names = ", ".join(each for each, _, _ in those)
+            yield Finding(check, f"{message} ({names})", severity, STATS,
+                          column=f"{key}/{name}", found=float(found[at]),
+                          expected=float(exact[name][at]), places=places)  # fmt: skip
 
 
 def _episodes(contents: Contents, key: str, values: NDArray, there: Runs) -> Iterator[Finding]:
@@ -93,6 +98,7 @@ def _episodes(contents: Contents, key: str, values: NDArray, there: Runs) -> Ite
     if not columns or not np.array_equal(there.episode, np.arange(len(contents.episodes))):
         return  # rows and episodes do not match: said where they are counted
     exact = episode_stats(values, lengths, bounds=True)
+    names, places, worst = [], np.zeros(len(lengths), bool), None
     for name in columns:
         column = f"stats/{key}/{name}"
         found = contents.episode_column(column)
@@ -102,16 +108,22 @@ def _episodes(contents: Contents, key: str, values: NDArray, there: Runs) -> Ite
                           column=column, found=found.shape[1:],
                           expected=exact[name].shape[1:])  # fmt: skip
             continue
-        wrong = ~_close(name, found, exact).all(axis=1)
+        wrong = ~_close(name, found, exact)  # (E, D)
         if name in QUANTILES:  # LeRobot's are another definition's, read off a histogram
             slack = 1e-9 + BIN * (exact["max"] - exact["min"])
             above = found >= exact[f"{name}/low"] - slack
-            wrong &= ~(above & (found <= exact[f"{name}/high"] + slack)).all(axis=1)
+            wrong &= ~(above & (found <= exact[f"{name}/high"] + slack))
         if wrong.any():
-            at, places = first(wrong)
-            yield Finding("statistics", "not the statistics of the episode's rows", file=EPISODES,
-                          episode=at, column=column, found=found[at].tolist(),
-                          expected=exact[name][at].tolist(), places=places)  # fmt: skip
+            names.append(name)
+            places |= wrong.any(axis=1)
+            worst = worst or (column, found, wrong, exact[name])
+    if worst is not None:
+        column, found, wrong, expected = worst
+        episode, at = (int(i) for i in np.argwhere(wrong)[0])
+        yield Finding("statistics", f"not the statistics of the episode's rows "
+                      f"({', '.join(names)})", file=EPISODES, episode=episode, column=column,
+                      found=float(found[episode, at]), expected=float(expected[episode, at]),
+                      places=int(places.sum()))  # fmt: skip
 
 
 def _close(name: str, found: NDArray, exact: Stats) -> NDArray[np.bool_]:
