@@ -19,8 +19,8 @@ import pyarrow.parquet as pq
 
 from lfr.curation.checks.counts import task_words
 from lfr.curation.clips import Clip, write_clip
-from lfr.curation.contents import INFO, STATS, TASKS, Contents, runs
-from lfr.curation.exact_stats import NAMES, averaged, dataset_stats, episode_stats
+from lfr.curation.contents import INFO, STATS, TASKS, Contents, runs, with_column
+from lfr.curation.exact_stats import dataset_stats, episode_stats, pooled_stats
 from lfr.curation.finding import Finding, Unreadable
 from lfr.curation.verify import verify_dataset
 from lfr.errors import DataError
@@ -148,8 +148,8 @@ class _Assembly:
         files, size, places, start = 0, 0, [], 0
         try:
             for episode, rows in enumerate(self._rows_of_episodes()):
-                rows = _with(rows, "episode_index", np.full(len(rows), episode))
-                rows = _with(rows, "index", np.arange(start, start + len(rows)))
+                rows = with_column(rows, "episode_index", np.full(len(rows), episode))
+                rows = with_column(rows, "index", np.arange(start, start + len(rows)))
                 if writer is None or size + rows.nbytes > limit:
                     if writer is not None:
                         writer.close()
@@ -190,7 +190,7 @@ class _Assembly:
                 rows = table.slice(start - begin, length).select(schema.names)
                 rows = rows.replace_schema_metadata(schema.metadata)
                 tasks = [self._task(words[i]) for i in rows["task_index"].to_pylist()]
-                yield _with(rows, "task_index", np.array(tasks))
+                yield with_column(rows, "task_index", np.array(tasks))
 
     def _task(self, words: str) -> int:
         return self.words.setdefault(words, len(self.words))
@@ -260,7 +260,7 @@ class _Assembly:
         ]
         table = pa.concat_tables(kept, promote_options="default")
         for name, values in columns.items():
-            table = _with(table, name, values)
+            table = with_column(table, name, values)
         written = Contents.open(self.out)
         stats: dict[str, dict[str, Any]] = {}
         for key in written.numeric():
@@ -269,9 +269,9 @@ class _Assembly:
                 continue  # verifying it refuses it
             stats[key] = {name: value.tolist() for name, value in dataset_stats(values).items()}
             for name, value in episode_stats(values, self.lengths).items():
-                table = _with(table, f"stats/{key}/{name}", pa.array(value.tolist()))
+                table = with_column(table, f"stats/{key}/{name}", pa.array(value.tolist()))
         for key in written.features:
-            if key not in stats and (of_pictures := _pooled(table, key)):
+            if key not in stats and (of_pictures := pooled_stats(table, key)):
                 stats[key] = of_pictures
         _write_json(self.out / STATS, {key: stats[key] for key in written.features if key in stats})
         path = self.out / "meta/episodes/chunk-000/file-000.parquet"
@@ -284,30 +284,6 @@ class _Assembly:
         path = self.out / name
         path.parent.mkdir(parents=True, exist_ok=True)
         return path
-
-
-def _pooled(table: pa.Table, key: str) -> dict[str, Any]:
-    """Of pictures, which are not decoded: from the episodes'; quantiles averaged, as LeRobot's."""
-    names = [name for name in NAMES if f"stats/{key}/{name}" in table.column_names]
-    if not {"min", "max", "mean", "std", "count"} <= set(names):
-        return {}
-    per = {n: np.array(table[f"stats/{key}/{n}"].to_pylist(), np.float64) for n in names}
-    counts = per["count"].reshape(len(table), *[1] * (per["mean"].ndim - 1))
-    mean = averaged(per["mean"], counts)
-    square = averaged(per["std"] ** 2 + (per["mean"] - mean) ** 2, counts)
-    pooled = {name: averaged(per[name], counts) for name in names}
-    pooled |= {"min": per["min"].min(axis=0), "max": per["max"].max(axis=0), "std": np.sqrt(square)}
-    return {**{n: v.tolist() for n, v in pooled.items()}, "count": [int(counts.sum())]}
-
-
-def _with(table: pa.Table, name: str, values: Any) -> pa.Table:
-    """A table with a column put in its old place, in its old type; at the end, if it is new."""
-    if name not in table.column_names:
-        return table.append_column(name, pa.array(values))
-    at = table.column_names.index(name)
-    field = table.schema.field(at)
-    array = values if isinstance(values, pa.Array) else pa.array(values)
-    return table.set_column(at, field, array.cast(field.type))
 
 
 def _write_json(path: Path, content: Any) -> None:

@@ -227,3 +227,13 @@ def runs(contents: Contents) -> Runs:
     start = np.flatnonzero(np.diff(index, prepend=index[:1] - 1))
     length = np.diff(start, append=len(index))
     return Runs(index[start], start, length)
+
+
+def with_column(table: pa.Table, name: str, values: Any) -> pa.Table:
+    """A table with a column put in its old place, in its old type; at the end, if it is new."""
+    if name not in table.column_names:
+        return table.append_column(name, pa.array(values))
+    at = table.column_names.index(name)
+    field = table.schema.field(at)
+    array = values if isinstance(values, pa.Array) else pa.array(values)
+    return table.set_column(at, field, array.cast(field.type))

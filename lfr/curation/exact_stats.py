@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+import pyarrow as pa
 from numpy.typing import NDArray
 
 from lfr.data.stats import QUANTILES, Stats, vector_stats
@@ -65,3 +68,17 @@ def averaged(stats: NDArray, counts: NDArray) -> NDArray[np.float64]:
     It is what LeRobot 0.6.1 takes the quantiles of a dataset for (its issue 4156).
     """
     return (stats * counts).sum(axis=0) / counts.sum()
+
+
+def pooled_stats(table: pa.Table, key: str) -> dict[str, Any]:
+    """Of pictures, which are not decoded: from the episodes'; quantiles averaged, as LeRobot's."""
+    names = [name for name in NAMES if f"stats/{key}/{name}" in table.column_names]
+    if not {"min", "max", "mean", "std", "count"} <= set(names):
+        return {}
+    per = {n: np.array(table[f"stats/{key}/{n}"].to_pylist(), np.float64) for n in names}
+    counts = per["count"].reshape(len(table), *[1] * (per["mean"].ndim - 1))
+    mean = averaged(per["mean"], counts)
+    square = averaged(per["std"] ** 2 + (per["mean"] - mean) ** 2, counts)
+    pooled = {name: averaged(per[name], counts) for name in names}
+    pooled |= {"min": per["min"].min(axis=0), "max": per["max"].max(axis=0), "std": np.sqrt(square)}
+    return {**{n: v.tolist() for n, v in pooled.items()}, "count": [int(counts.sum())]}

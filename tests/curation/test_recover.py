@@ -16,7 +16,8 @@ from mcap.reader import make_reader
 from mcap.writer import Writer
 
 from lfr import cli
-from lfr.curation.recover import recover, salvage
+from lfr.curation.recover import recover
+from lfr.curation.salvage import salvage
 from lfr.data.episode import Episode
 from lfr.data.log import read_log
 from lfr.errors import DataError
