@@ -1,0 +1,63 @@
+"""Files that are missing, unfinalized, cut off, left over, or not where the episodes say."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from lfr.curation.contents import STATS, TASKS, Contents
+from lfr.curation.finding import Finding, Unreadable
+
+
+def check_files(contents: Contents) -> Iterator[Finding]:
+    """Every Parquet file can be opened, and those that episodes name are all there are."""
+    for file in (*contents.episode_files, *contents.data_files):
+        try:
+            contents.opened(file)
+        except Unreadable as unreadable:
+            yield unreadable.finding
+    if not (contents.path / TASKS).is_file():
+        yield Finding("missing-file", "the tasks' words are not there", file=TASKS)
+    if not (contents.path / STATS).is_file():
+        yield Finding("missing-file", "no statistics; a policy cannot normalize", "warning", STATS)
+    if any((contents.path / "images").rglob("*.png")) and not contents.pictures("image"):
+        yield Finding(
+            "left-over", "pictures that were never made into video: a recording was interrupted",
+            "warning", "images",
+        )  # fmt: skip
+    for partial in sorted(contents.path.rglob("*.partial")):
+        yield Finding("left-over", "an unfinished file", "warning", contents.relative(partial))
+    yield from _named(contents, "data/", "data_path", ".parquet", "data")
+    for key in contents.pictures():
+        yield from _named(
+            contents, f"videos/{key}/", "video_path", ".mp4", f"videos/{key}", video_key=key
+        )
+
+
+def _named(
+    contents: Contents, prefix: str, template: str, suffix: str, folder: str, **names: str
+) -> Iterator[Finding]:
+    """The files of a folder against those that the episodes name."""
+    chunk, file = (contents.episode_column(f"{prefix}{i}_index") for i in ("chunk", "file"))
+    pairs, counts = np.unique(np.stack([chunk, file], axis=1), axis=0, return_counts=True)
+    expected = {
+        contents.named(template, chunk_index=c, file_index=f, **names): int(count)
+        for (c, f), count in zip(pairs.tolist(), counts, strict=True)
+    }
+    found = {contents.relative(p) for p in (contents.path / folder).rglob(f"*{suffix}")}
+    for name in sorted(set(expected) - found):
+        yield Finding(
+            "missing-file", "episodes name a file that is not there", file=name,
+            column=f"{prefix}file_index", places=expected[name],
+        )  # fmt: skip
+    for name in sorted(found - set(expected)):
+        yield Finding("left-over", "a file that no episode names", "warning", name)
+    most = contents.info.get("chunks_size")
+    if isinstance(most, int) and len(pairs):
+        chunks, sizes = np.unique(pairs[:, 0], return_counts=True)
+        for i in np.flatnonzero(sizes > most):
+            yield Finding(
+                "counts", "more files in a chunk than chunks_size", "warning",
+                file=f"{folder}/chunk-{int(chunks[i]):03d}", found=int(sizes[i]), expected=most,
+            )  # fmt: skip

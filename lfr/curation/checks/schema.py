@@ -1,0 +1,87 @@
+"""What info.json promises of the features, against the types and shapes of the files."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import pyarrow as pa
+
+from lfr.curation.contents import INFO, NOT_NUMBERS, Contents
+from lfr.curation.finding import Finding
+
+# LeRobot's own columns and their types
+DEFAULT_DTYPES = {
+    "timestamp": "float32",
+    "frame_index": "int64",
+    "episode_index": "int64",
+    "index": "int64",
+    "task_index": "int64",
+}
+ARROW = {"float": "float32", "double": "float64", "halffloat": "float16"}  # arrow's names for them
+
+
+def check_schema(contents: Contents) -> Iterator[Finding]:
+    """Every feature is described, and every data file has it so."""
+    _ = contents.fps  # a finding of its own where there is none
+    for key, dtype in DEFAULT_DTYPES.items():
+        if key not in contents.features:
+            yield Finding("schema", "a column of LeRobot's is missing", file=INFO, column=key)
+        elif contents.features[key].get("dtype") != dtype:
+            found = contents.features[key].get("dtype")
+            yield Finding("schema", "another dtype than LeRobot's", "error", INFO, None, key, None,
+                          found, dtype)  # fmt: skip
+    for key, feature in contents.features.items():
+        yield from _described(key, feature)
+    for name, file in zip(contents.data_files, contents.data, strict=True):
+        yield from _file(contents, contents.relative(name), file.schema_arrow)
+
+
+def _described(key: str, feature: dict[str, Any]) -> Iterator[Finding]:
+    shape, names = feature.get("shape"), feature.get("names")
+    if feature.get("dtype") is None:
+        yield Finding("schema", "a feature without dtype", file=INFO, column=key)
+    if not (isinstance(shape, list) and all(isinstance(s, int) and s > 0 for s in shape)):
+        yield Finding("schema", "no shape", file=INFO, column=key, found=shape,
+                      expected="positive numbers")  # fmt: skip
+    elif isinstance(names, list) and len(shape) == 1 and names and len(names) != shape[0]:
+        yield Finding("schema", "another number of names than dimensions", file=INFO, column=key,
+                      found=len(names), expected=shape[0])  # fmt: skip
+
+
+def _file(contents: Contents, name: str, schema: pa.Schema) -> Iterator[Finding]:
+    columns = {k: f for k, f in contents.features.items() if f.get("dtype") != "video"}
+    for key in schema.names:
+        if key not in columns:
+            yield Finding("schema", "a column that info.json does not know", file=name, column=key,
+                          found=str(schema.field(key).type), expected="no such column")  # fmt: skip
+    for key, feature in columns.items():
+        if key not in schema.names:
+            yield Finding("schema", "a column is missing", file=name, column=key)
+            continue
+        dtype, shape = feature.get("dtype"), feature.get("shape")
+        if dtype in NOT_NUMBERS or not isinstance(shape, list):
+            continue
+        found, sizes = _type(schema.field(key).type)
+        if found != dtype:
+            yield Finding("dtype", "another type than info.json says", file=name, column=key,
+                          found=found, expected=dtype)  # fmt: skip
+        expected = [] if shape == [1] else shape
+        # lists of any length are looked at row by row, where the values are
+        if sizes is not None and len(shape) == 1 and sizes not in (expected, shape):
+            yield Finding("shape", "another shape than info.json says", file=name, column=key,
+                          found=tuple(sizes), expected=tuple(shape))  # fmt: skip
+
+
+def _type(type: pa.DataType) -> tuple[str, list[int] | None]:
+    """Element type, and the sizes of fixed lists around it; None where they are not fixed."""
+    sizes: list[int] | None = []
+    if isinstance(type, pa.ExtensionType):  # `datasets` keeps arrays of more dimensions so
+        type, sizes = type.storage_type, None
+    while (
+        pa.types.is_list(type) or pa.types.is_large_list(type) or pa.types.is_fixed_size_list(type)
+    ):
+        fixed = pa.types.is_fixed_size_list(type)
+        sizes = [*sizes, type.list_size] if fixed and sizes is not None else None
+        type = type.value_type
+    return ARROW.get(str(type), str(type)), sizes

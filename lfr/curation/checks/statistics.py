@@ -1,0 +1,204 @@
+"""meta/stats.json and the statistics of each episode, recomputed from the rows."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lfr.curation.contents import EPISODES, PICTURES, STATS, Contents, Runs, runs
+from lfr.curation.exact_stats import NAMES, averaged, dataset_stats, episode_stats
+from lfr.curation.finding import Finding, Severity, first, unreadable
+from lfr.data.stats import QUANTILES, Stats
+
+# LeRobot adds float32 values up, so a mean is off by this part of the values' root mean square,
+# and a variance, the difference of two such sums, by this part of the mean square.
+TOLERANCE = 2e-5
+# Its quantiles are read off a histogram of 5000 bins over the values' range.
+BIN = 1e-3
+
+
+def check_statistics(contents: Contents) -> Iterator[Finding]:
+    """Every statistic that is there is that of the rows; what LeRobot writes is all there."""
+    stored = _stored(contents)
+    there = runs(contents)
+    for key in contents.numeric():
+        values = contents.column(key)
+        if values.reshape(len(values), -1).size == 0 or not np.isfinite(values).all():
+            continue  # said where the values are checked
+        if key not in stored:
+            if stored:
+                yield Finding("statistics", "no statistics of a feature", "warning", STATS,
+                              column=key)  # fmt: skip
+        else:
+            yield from _dataset(contents, key, stored[key], values)
+        yield from _episodes(contents, key, values, there)
+    for dtype in PICTURES:
+        for key in contents.pictures(dtype):
+            if key in stored:
+                yield from _pictures(contents, key, stored[key])
+
+
+def _stored(contents: Contents) -> Mapping[str, Any]:
+    file = contents.path / STATS
+    if not file.is_file():
+        return {}
+    with unreadable("statistics", "cut off or no JSON object", ValueError, file=STATS):
+        stored = json.loads(file.read_text(encoding="utf-8"))
+        if not isinstance(stored, dict):
+            raise ValueError(type(stored).__name__)
+    return stored
+
+
+def _dataset(
+    contents: Contents, key: str, stored: Mapping[str, Any], values: NDArray
+) -> Iterator[Finding]:
+    rows = values.reshape(len(values), -1)
+    exact = dataset_stats(values)
+    if missing := [name for name in NAMES if name not in stored]:
+        yield Finding("statistics", "statistics are missing", "warning", STATS, column=key,
+                      found=", ".join(stored), expected=", ".join(missing))  # fmt: skip
+    wrong: list[tuple[str, NDArray, NDArray]] = []  # name, found, which dimensions
+    averages: list[tuple[str, NDArray, NDArray]] = []
+    for name in (name for name in NAMES if name in stored):
+        found = _numbers(stored[name], exact[name].shape)
+        if found is None:
+            yield Finding("statistics", "another shape than the feature", file=STATS,
+                          column=f"{key}/{name}", found=stored[name],
+                          expected=f"{exact[name].size} numbers")  # fmt: skip
+            continue
+        off = ~_close(name, found[None], {n: v[None] for n, v in exact.items()})[0]
+        if not off.any() or (
+            name in QUANTILES and _is_quantile(found, rows, QUANTILES[name]).all()
+        ):
+            continue
+        average = name in QUANTILES and _is_average(contents, key, name, found)
+        (averages if average else wrong).append((name, found, off))
+    kinds: tuple[tuple[str, str, Severity, list[tuple[str, NDArray, NDArray]]], ...] = (
+        ("statistics", "not the statistics of the rows", "error", wrong),
+        ("averaged-quantiles", "the mean of the episodes' quantiles, not a quantile of the rows "
+         "(lerobot issue 4156)", "warning", averages),
+    )  # fmt: skip
+    for check, message, severity, those in kinds:
+        if those:
+            name, found, off = those[0]
+            at, places = first(off)
+            names = ", ".join(each for each, _, _ in those)
+            yield Finding(check, f"{message} ({names})", severity, STATS,
+                          column=f"{key}/{name}", found=float(found[at]),
+                          expected=float(exact[name][at]), places=places)  # fmt: skip
+
+
+def _episodes(contents: Contents, key: str, values: NDArray, there: Runs) -> Iterator[Finding]:
+    columns = [n for n in NAMES if f"stats/{key}/{n}" in contents.episodes.column_names]
+    lengths = there.length
+    if not columns or not np.array_equal(there.episode, np.arange(len(contents.episodes))):
+        return  # rows and episodes do not match: said where they are counted
+    exact = episode_stats(values, lengths, bounds=True)
+    names, places, worst = [], np.zeros(len(lengths), bool), None
+    for name in columns:
+        column = f"stats/{key}/{name}"
+        found = contents.episode_column(column)
+        found = found.reshape(len(found), -1).astype(np.float64)
+        if found.shape != exact[name].shape:
+            yield Finding("statistics", "another shape than the feature", file=EPISODES,
+                          column=column, found=found.shape[1:],
+                          expected=exact[name].shape[1:])  # fmt: skip
+            continue
+        wrong = ~_close(name, found, exact)  # (E, D)
+        if name in QUANTILES:  # LeRobot's are another definition's, read off a histogram
+            slack = 1e-9 + BIN * (exact["max"] - exact["min"])
+            above = found >= exact[f"{name}/low"] - slack
+            wrong &= ~(above & (found <= exact[f"{name}/high"] + slack))
+        if wrong.any():
+            names.append(name)
+            places |= wrong.any(axis=1)
+            worst = worst or (column, found, wrong, exact[name])
+    if worst is not None:
+        column, found, wrong, expected = worst
+        episode, at = (int(i) for i in np.argwhere(wrong)[0])
+        yield Finding("statistics", f"not the statistics of the episode's rows "
+                      f"({', '.join(names)})", file=EPISODES, episode=episode, column=column,
+                      found=float(found[episode, at]), expected=float(expected[episode, at]),
+                      places=int(places.sum()))  # fmt: skip
+
+
+def _close(name: str, found: NDArray, exact: Stats) -> NDArray[np.bool_]:
+    """(E, D) whether stored statistics are the exact ones, to the precision they are made in."""
+    expected = exact[name]
+    if name == "count":
+        return found == expected
+    square = exact["mean"] ** 2 + exact["std"] ** 2
+    with np.errstate(invalid="ignore"):
+        if name == "std":
+            return np.abs(found**2 - expected**2) <= TOLERANCE * square
+        if name in QUANTILES:
+            return np.abs(found - expected) <= 1e-9 + BIN * 1e-3 * (exact["max"] - exact["min"])
+        scale = np.sqrt(square) if name == "mean" else np.abs(expected)
+        return np.abs(found - expected) <= 1e-9 + TOLERANCE * scale
+
+
+def _is_quantile(found: NDArray, rows: NDArray, q: float) -> NDArray[np.bool_]:
+    """(D,) whether a fraction q of the rows lies below `found`, to one row and one bin."""
+    rows = rows.astype(np.float64)
+    slack = BIN * (rows.max(axis=0) - rows.min(axis=0)) + 1e-9
+    below = (rows < found - slack).mean(axis=0)
+    up_to = (rows <= found + slack).mean(axis=0)
+    return (below <= q + 1.5 / len(rows)) & (up_to >= q - 1.5 / len(rows))
+
+
+def _is_average(contents: Contents, key: str, name: str, found: NDArray) -> bool:
+    columns = contents.episodes.column_names
+    if not {f"stats/{key}/{name}", f"stats/{key}/count"} <= set(columns):
+        return False
+    quantiles = contents.episode_column(f"stats/{key}/{name}").reshape(len(contents.episodes), -1)
+    counts = contents.episode_column(f"stats/{key}/count").reshape(len(quantiles), -1)[:, :1]
+    mean = averaged(quantiles, counts)
+    return np.allclose(found, mean, rtol=1e-3, atol=1e-6)
+
+
+def _pictures(contents: Contents, key: str, stored: Mapping[str, Any]) -> Iterator[Finding]:
+    """Of pixels, which are not decoded: in [0, 1] and in order, and those of the episodes."""
+    found: dict[str, NDArray[np.float64]] = {}
+    for name in NAMES:
+        numbers = _numbers(stored.get(name), None)
+        if numbers is None or not np.isfinite(numbers).all():
+            lacking = name in QUANTILES and name not in stored
+            yield Finding("statistics", "no numbers", "warning" if lacking else "error", STATS,
+                          column=f"{key}/{name}", found=stored.get(name))  # fmt: skip
+            return
+        found[name] = numbers
+    order = np.stack([found[name] for name in ("min", "q01", "q50", "q99", "max")])
+    depth = (contents.features[key].get("info") or {}).get("is_depth_map")
+    outside = not depth and (order.min() < -1e-6 or order.max() > 1 + 1e-6)
+    if outside or (np.diff(order, axis=0) < -1e-6).any():
+        yield Finding("statistics", "pixels out of order or of [0, 1]", file=STATS, column=key,
+                      found=order.tolist())  # fmt: skip
+    columns = {n: f"stats/{key}/{n}" for n in ("min", "max", "mean", "count")}
+    if not set(columns.values()) <= set(contents.episodes.column_names):
+        return
+    per = {n: _nested(contents.episodes[c].to_pylist()) for n, c in columns.items()}
+    expected = {"min": per["min"].min(axis=0), "max": per["max"].max(axis=0),
+                "mean": averaged(per["mean"], per["count"][:, :1])}  # fmt: skip
+    for name, numbers in expected.items():
+        if not np.allclose(found[name], numbers, rtol=1e-4, atol=1e-4):
+            yield Finding("statistics", "not those of its episodes", file=STATS,
+                          column=f"{key}/{name}", found=found[name],
+                          expected=numbers.tolist())  # fmt: skip
+
+
+def _numbers(value: Any, shape: tuple[int, ...] | None) -> NDArray[np.float64] | None:
+    """Flat numbers of JSON's lists; None where they are no numbers or not as many."""
+    try:
+        numbers = np.asarray(value, np.float64).ravel()
+    except (TypeError, ValueError):
+        return None
+    return numbers if shape is None or numbers.shape == shape else None
+
+
+def _nested(rows: ArrayLike) -> NDArray[np.float64]:
+    array = np.asarray(rows, np.float64)
+    return array.reshape(len(array), -1)

@@ -1,0 +1,137 @@
+"""Values that cannot be: not finite, out of their range, constant, frozen, far from all others."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lfr.curation.checks.ranges import bounds
+from lfr.curation.contents import DEFAULT_FEATURES, EPISODES, Contents, Runs, runs
+from lfr.curation.finding import Finding, first
+from lfr.data.episode import DONE, REWARD, SUCCESS
+
+SLACK = 1e-3  # beyond a range: rotations are orthogonal to float32's precision, not exactly
+# A value this many times as far from the median as the middle 98 % reach is a spike.
+SPIKE = 100.0
+
+
+def check_values(contents: Contents) -> Iterator[Finding]:
+    """Every column of numbers, one after the other."""
+    there = runs(contents)
+    still = np.ones(len(there.start), bool)  # episodes in which nothing observed has moved
+    observed = False
+    for key in contents.numeric():
+        values = contents.column(key)
+        rows = values.reshape(len(values), -1)
+        expected = contents.features[key]["shape"][0]
+        if rows.shape[1] != expected:
+            yield Finding("shape", "another shape than info.json says", file="data", column=key,
+                          found=rows.shape[1:], expected=(expected,))  # fmt: skip
+            continue
+        finite = np.isfinite(rows) if rows.dtype.kind == "f" else np.ones(rows.shape, bool)
+        bad = ~finite.all(axis=1)
+        if bad.any():
+            at, places = first(bad)
+            yield Finding("not-finite", "NaN or infinite", **contents.place(at), column=key,
+                          found=rows[at].tolist(), expected="finite numbers",
+                          places=places)  # fmt: skip
+        if key in DEFAULT_FEATURES or not len(rows):
+            continue
+        names = _names(contents.features[key], key, rows.shape[1])
+        yield from _ranges(contents, key, names, rows)
+        if key not in (DONE, SUCCESS, REWARD) and rows.dtype.kind == "f" and len(rows) > 1:
+            yield from _constant(key, names, rows)
+            if not bad.any():
+                yield from _spikes(contents, names, rows)
+        if key.startswith("observation."):
+            observed = True
+            still &= _still(rows, there)
+    if observed and (still & (there.length > 1)).any():
+        at, places = first(still & (there.length > 1))
+        yield Finding("frozen", "nothing that is observed moves", "warning",
+                      **contents.place(int(there.start[at])), places=places)  # fmt: skip
+    yield from _outcomes(contents, there)
+
+
+def _names(feature: dict[str, Any], key: str, size: int) -> list[str]:
+    """What each dimension is called, `action.dx`, for the findings."""
+    names = feature.get("names")
+    if isinstance(names, list) and len(names) == size > 1:
+        return [f"{key}.{name}" for name in names]
+    return [key] if size == 1 else [f"{key}[{i}]" for i in range(size)]
+
+
+def _ranges(contents: Contents, key: str, names: list[str], rows: NDArray) -> Iterator[Finding]:
+    for i, (low, high) in bounds(key, contents.features).items():
+        column = rows[:, i]
+        wrong = (column < low - SLACK) | (column > high + SLACK)
+        if wrong.any():
+            at, places = first(wrong)
+            yield Finding("range", "out of its range", **contents.place(at), column=names[i],
+                          found=float(column[at]), expected=f"{low:g} to {high:g}",
+                          places=places)  # fmt: skip
+
+
+def _constant(key: str, names: list[str], rows: NDArray) -> Iterator[Finding]:
+    for i in np.flatnonzero((rows == rows[0]).all(axis=0)):
+        yield Finding("constant", "the same in every row", "warning", "data", column=names[i],
+                      found=float(rows[0, i]))  # fmt: skip
+
+
+def _spikes(contents: Contents, names: list[str], rows: NDArray) -> Iterator[Finding]:
+    low, middle, high = np.quantile(rows, [0.01, 0.5, 0.99], axis=0, method="nearest")
+    span = np.maximum(high - middle, middle - low).astype(np.float64)
+    far = (np.abs(rows - middle) > SPIKE * span) & (span > 0)
+    for i in np.flatnonzero(far.any(axis=0)):
+        at, places = first(far[:, i])
+        yield Finding("spike", "far from all other values", "warning", **contents.place(at),
+                      column=names[i], found=float(rows[at, i]),
+                      expected=f"98 % are in {low[i]:g} to {high[i]:g}", places=places)  # fmt: skip
+
+
+def _still(rows: NDArray, there: Runs) -> NDArray[np.bool_]:
+    """(R,) whether a column is the same in all rows of an episode."""
+    same = np.ones(len(rows), bool)
+    same[1:] = (rows[1:] == rows[:-1]).all(axis=1)
+    same[there.start] = True
+    return np.logical_and.reduceat(same, there.start)
+
+
+def _outcomes(contents: Contents, there: Runs) -> Iterator[Finding]:
+    """next.done and next.success against the episodes' ends and their column `success`."""
+    if DONE in contents.features:
+        done, last = contents.column(DONE).astype(bool).ravel(), there.start + there.length - 1
+        early = done.copy()
+        early[last] = False
+        for chosen, message, found in (
+            (early, "done before the episode's end", True),
+            (_only(last, len(done)) & ~done, "not done at the episode's end", False),
+        ):
+            if chosen.any():
+                at, places = first(chosen)
+                yield Finding("done", message, "error" if found else "warning",
+                              **contents.place(at), column=DONE, found=found, expected=not found,
+                              places=places)  # fmt: skip
+    if SUCCESS in contents.features:
+        any_success = np.logical_or.reduceat(
+            contents.column(SUCCESS).astype(bool).ravel(), there.start
+        )
+        if not any_success.any():
+            yield Finding("success", "no successful episode", "warning", "data", column=SUCCESS,
+                          found=f"0 of {len(any_success)}")  # fmt: skip
+        if "success" in contents.episodes.column_names:
+            said = contents.episode_column("success").astype(bool)
+            if len(said) == len(any_success) and (wrong := said != any_success).any():
+                at, places = first(wrong)
+                yield Finding("success", "another outcome than its rows have", file=EPISODES,
+                              episode=at, column="success", found=bool(said[at]),
+                              expected=bool(any_success[at]), places=places)  # fmt: skip
+
+
+def _only(rows: NDArray, count: int) -> NDArray[np.bool_]:
+    chosen = np.zeros(count, bool)
+    chosen[rows] = True
+    return chosen

@@ -1,0 +1,111 @@
+"""Videos against the rows: whole files, as many frames as rows, at the times that rows have."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from lfr.curation.checks.order import TOLERANCE_S
+from lfr.curation.contents import EPISODES, Contents
+from lfr.curation.finding import Finding, first
+from lfr.curation.mp4 import BrokenVideoError, VideoHeader, read_header
+
+
+def check_videos(contents: Contents) -> Iterator[Finding]:
+    """Every camera's files, by their headers alone: no frame is decoded."""
+    for key in contents.pictures():
+        prefix = f"videos/{key}/"
+        chunk, number, start, end = (
+            contents.episode_column(prefix + name)
+            for name in ("chunk_index", "file_index", "from_timestamp", "to_timestamp")
+        )
+        found = np.rint((end - start) * contents.fps)
+        if (wrong := found != contents.lengths).any():
+            at, places = first(wrong)
+            yield Finding("video-frames", "another number of frames than rows", file=EPISODES,
+                          episode=at, column=prefix + "to_timestamp", found=int(found[at]),
+                          expected=int(contents.lengths[at]), places=places)  # fmt: skip
+        for c, f in sorted(set(zip(chunk.tolist(), number.tolist(), strict=True))):
+            name = contents.named("video_path", video_key=key, chunk_index=c, file_index=f)
+            if not (contents.path / name).is_file():
+                continue  # said where files are checked
+            episodes = np.flatnonzero((chunk == c) & (number == f))
+            try:
+                header = read_header(contents.path / name)
+            except BrokenVideoError as error:
+                yield Finding("damaged-file", "a video that does not play", file=name, column=key,
+                              episode=int(episodes[0]), found=str(error),
+                              expected="a whole MP4 file", places=len(episodes))  # fmt: skip
+                continue
+            yield from _format(contents, key, name, header)
+            yield from _times(contents, name, key, header)
+            yield from _places(contents, name, key, header, episodes, start, end)
+
+
+def _format(contents: Contents, key: str, name: str, header: VideoHeader) -> Iterator[Finding]:
+    feature = contents.features[key]
+    pairs = zip(feature.get("names") or (), feature.get("shape") or (), strict=False)
+    named: dict[str, int] = dict(pairs)
+    expected = (named.get("height"), named.get("width"))
+    if None not in expected and (header.height, header.width) != expected:
+        yield Finding("shape", "a video of another size than info.json says", file=name, column=key,
+                      found=(header.height, header.width), expected=expected)  # fmt: skip
+    info = feature.get("info") or {}
+    fps = info.get("video.fps")
+    if fps is not None and fps != contents.fps:
+        yield Finding("fps", "a video at another rate than the rows", file="meta/info.json",
+                      column=key, found=fps, expected=contents.fps)  # fmt: skip
+
+
+def _times(contents: Contents, name: str, key: str, header: VideoHeader) -> Iterator[Finding]:
+    # Containers keep times in whole ticks, so two neighbours may differ by one.
+    steps = np.diff(header.times)
+    wrong = np.abs(steps - 1 / contents.fps) > max(2e-3 / contents.fps, TOLERANCE_S)
+    if wrong.any():
+        at, places = first(wrong)
+        where = {"file": name, "column": key, "found": float(steps[at]),
+                 "expected": 1 / contents.fps, "places": places}  # fmt: skip
+        if places == len(steps):
+            yield Finding("fps", "a video at another rate than the rows", **where)
+        else:
+            yield Finding("gap-in-time", f"a gap after frame {at} of the video", **where)
+
+
+def _places(
+    contents: Contents,
+    name: str,
+    key: str,
+    header: VideoHeader,
+    episodes: np.ndarray,
+    start: np.ndarray,
+    end: np.ndarray,
+) -> Iterator[Finding]:
+    """Episodes share a file without gap, overlap or rest."""
+    first_frame = np.rint(start[episodes] * contents.fps).astype(int)
+    end_frame = np.rint(end[episodes] * contents.fps).astype(int)
+    order = np.argsort(first_frame, kind="stable")
+    off = np.abs(start[episodes] * contents.fps - first_frame) > TOLERANCE_S * contents.fps
+    if off.any():
+        at, places = first(off)
+        yield Finding("video-frames", "an episode that starts between two frames", file=name,
+                      episode=int(episodes[at]), column=f"videos/{key}/from_timestamp",
+                      found=float(start[episodes][at]),
+                      expected=float(first_frame[at] / contents.fps), places=places)  # fmt: skip
+    beyond = end_frame > header.frames
+    if beyond.any():
+        at, places = first(beyond)
+        yield Finding("video-frames", "the video ends before the episode", file=name,
+                      episode=int(episodes[at]), column=key, found=header.frames,
+                      expected=int(end_frame[at]), places=places)  # fmt: skip
+    overlap = first_frame[order][1:] < end_frame[order][:-1]
+    if overlap.any():
+        at, places = first(overlap)
+        yield Finding("video-frames", "an episode that shows another one's frames", file=name,
+                      episode=int(episodes[order][at + 1]), column=key,
+                      found=int(first_frame[order][at + 1]),
+                      expected=int(end_frame[order][at]), places=places)  # fmt: skip
+    used = int((end_frame - first_frame).sum())
+    if header.frames > used and not beyond.any() and not overlap.any():
+        yield Finding("video-frames", "frames that belong to no episode", "warning", name,
+                      column=key, found=header.frames, expected=used)  # fmt: skip

@@ -1,0 +1,239 @@
+"""A dataset's folder as it is, right or wrong: read once, whole columns at a time, with pyarrow."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+from numpy.typing import NDArray
+
+from lfr.curation.finding import Finding, Unreadable, unreadable
+from lfr.data import tables
+from lfr.data.tables import VERSION
+from lfr.errors import DataError
+
+INFO = "meta/info.json"
+STATS = "meta/stats.json"
+TASKS = "meta/tasks.parquet"
+EPISODES = "meta/episodes"
+DEFAULT_FEATURES = ("timestamp", "frame_index", "episode_index", "index", "task_index")
+PICTURES = ("video", "image")  # dtypes of features that are not numbers
+NOT_NUMBERS = (*PICTURES, "string", "language")
+
+
+@dataclass
+class Contents:
+    """What a dataset's folder holds. A part that cannot be read raises `Unreadable`, each time.
+
+    Attributes:
+        path: the dataset's folder.
+        info: meta/info.json.
+    """
+
+    path: Path
+    info: dict[str, Any]
+    _columns: dict[str, NDArray] = field(default_factory=dict)
+
+    @classmethod
+    def open(cls, path: Path) -> Contents:
+        """Open the LeRobot v3.0 dataset at `path`.
+
+        Raises:
+            DataError: there is none.
+            Unreadable: there is one, and its info.json is cut off.
+        """
+        path = Path(path)
+        file = path / INFO
+        if not path.is_dir():
+            raise DataError("no such dataset", file=path)
+        if not file.is_file():
+            raise DataError("not a LeRobot dataset", file=file, found="no such file")
+        what = "cut off or no JSON object"
+        with unreadable("info", what, ValueError, file=INFO):
+            info = json.loads(file.read_text(encoding="utf-8"))
+            if not isinstance(info, dict):
+                raise ValueError(type(info).__name__)
+        if info.get("codebase_version") != VERSION:
+            raise DataError(
+                "another dataset format; convert it with LeRobot's conversion script",
+                file=file,
+                found=info.get("codebase_version"),
+                expected=VERSION,
+            )
+        return cls(path, info)
+
+    @property
+    def features(self) -> dict[str, dict[str, Any]]:
+        found = self.info.get("features")
+        if not isinstance(found, dict) or not all(isinstance(f, dict) for f in found.values()):
+            raise Unreadable(Finding("info", "no features", file=INFO, column="features"))
+        return found
+
+    @cached_property
+    def fps(self) -> float:
+        fps = self.info.get("fps")
+        if isinstance(fps, bool) or not isinstance(fps, int | float) or not fps > 0:
+            raise Unreadable(
+                Finding("info", "no frames per second", file=INFO, column="fps", found=fps,
+                        expected="a positive number")
+            )  # fmt: skip
+        return fps
+
+    def numeric(self) -> list[str]:
+        """Features whose values are vectors of numbers, or one number: what statistics are of."""
+        return [
+            key
+            for key, feature in self.features.items()
+            if feature.get("dtype") not in NOT_NUMBERS and len(feature.get("shape") or ()) == 1
+        ]
+
+    def pictures(self, dtype: str = "video") -> list[str]:
+        return [key for key, feature in self.features.items() if feature.get("dtype") == dtype]
+
+    def named(self, template: str, **indices: Any) -> str:
+        """A file by the format string of info.json called `template`, relative to the folder."""
+        with unreadable("info", "no such path", KeyError, AttributeError, IndexError, ValueError,
+                        file=INFO, column=template):  # fmt: skip
+            return self.info[template].format(**indices)
+
+    def relative(self, file: Path) -> str:
+        return file.relative_to(self.path).as_posix()
+
+    @cached_property
+    def episode_files(self) -> list[Path]:
+        return sorted((self.path / EPISODES).rglob("*.parquet"))
+
+    @cached_property
+    def episodes(self) -> pa.Table:
+        """meta/episodes with its statistics, in the order of the files: one row per episode."""
+        if not self.episode_files:
+            raise Unreadable(Finding("missing-file", "no table of episodes", file=EPISODES))
+        found = [self.rows_of(file) for file in self.episode_files]
+        with unreadable("schema", "its files have different columns", pa.ArrowInvalid,
+                        pa.ArrowTypeError, file=EPISODES):  # fmt: skip
+            table = pa.concat_tables(found, promote_options="default")
+        for column in ("episode_index", "length"):
+            if column not in table.column_names:
+                raise Unreadable(
+                    Finding("schema", "a column is missing", file=EPISODES, column=column)
+                )
+        return table
+
+    def episode_column(self, name: str) -> NDArray:
+        """A column of meta/episodes as an array; lists of one length as (E, D)."""
+        with unreadable("schema", "gaps or mixed shapes", TypeError, ValueError, KeyError,
+                        file=EPISODES, column=name):  # fmt: skip
+            return tables.values(self.episodes, name)
+
+    @cached_property
+    def lengths(self) -> NDArray[np.int64]:
+        """(E,) rows of each episode, as meta/episodes has it."""
+        return self.episode_column("length")
+
+    @cached_property
+    def data_files(self) -> list[Path]:
+        """The Parquet files of rows, in the order of their names."""
+        return sorted((self.path / "data").rglob("*.parquet"))
+
+    @cached_property
+    def data(self) -> list[pq.ParquetFile]:
+        """The data files, their footers read."""
+        if not self.data_files:
+            raise Unreadable(Finding("missing-file", "no rows", file="data"))
+        return [self.opened(file) for file in self.data_files]
+
+    @cached_property
+    def rows_of_files(self) -> list[int]:
+        """Rows of each data file, by its footer."""
+        return [file.metadata.num_rows for file in self.data]
+
+    def column(self, key: str) -> NDArray:
+        """A feature of all rows, (N,) or (N, D); what is asked for often is kept."""
+        if key in self._columns:
+            return self._columns[key]
+        table = self.table([key])
+        with unreadable("shape", "gaps or mixed shapes", TypeError, ValueError, file="data",
+                        column=key):  # fmt: skip
+            values = tables.values(table, key)
+        if key in DEFAULT_FEATURES:
+            self._columns[key] = values
+        return values
+
+    def table(self, columns: Sequence[str]) -> pa.Table:
+        """These columns of all rows."""
+        parts = []
+        for name, file in zip(self.data_files, self.data, strict=True):
+            where: dict[str, Any] = {"file": self.relative(name), "column": ", ".join(columns)}
+            missing = [column for column in columns if column not in file.schema_arrow.names]
+            if missing:
+                raise Unreadable(Finding("schema", "a column is missing", **where))
+            with unreadable("damaged-file", "its rows cannot be read", pa.ArrowException, OSError,
+                            **where):  # fmt: skip
+                parts.append(file.read(columns=list(columns), use_threads=False))
+        with unreadable("schema", "another type in another file", pa.ArrowException, file="data",
+                        column=", ".join(columns)):  # fmt: skip
+            return pa.concat_tables([part.replace_schema_metadata() for part in parts])
+
+    def place(self, row: int) -> dict[str, Any]:
+        """Where a row stands, for a finding: file, episode, row."""
+        ends = np.cumsum(self.rows_of_files)
+        file = self.data_files[int(np.searchsorted(ends, row, side="right"))]
+        try:
+            episode = int(self.column("episode_index")[row])
+        except Unreadable:
+            episode = None
+        return {"file": self.relative(file), "episode": episode, "row": row}
+
+    def opened(self, file: Path) -> pq.ParquetFile:
+        """A Parquet file, its footer read."""
+        with unreadable("damaged-file", "unfinalized or cut-off Parquet", pa.ArrowException,
+                        OSError, file=self.relative(file)):  # fmt: skip
+            return pq.ParquetFile(file)
+
+    def rows_of(self, file: Path) -> pa.Table:
+        """All of a Parquet file."""
+        opened = self.opened(file)
+        with unreadable("damaged-file", "its rows cannot be read", pa.ArrowException, OSError,
+                        file=self.relative(file)):  # fmt: skip
+            return opened.read(use_threads=False).replace_schema_metadata()
+
+
+@dataclass(frozen=True)
+class Runs:
+    """The rows as episodes, told from the column episode_index alone: (R,) each.
+
+    `episode` its value, `start` the first row, `length` the number of rows.
+    """
+
+    episode: NDArray[np.int64]
+    start: NDArray[np.int64]
+    length: NDArray[np.int64]
+
+    def of_rows(self, values: NDArray) -> NDArray:
+        """(N,) for each row, what `values` (R,) has for its run."""
+        return np.repeat(values, self.length)
+
+
+def runs(contents: Contents) -> Runs:
+    """Stretches of rows with one episode_index: one for each episode where all is well."""
+    index = contents.column("episode_index")
+    start = np.flatnonzero(np.diff(index, prepend=index[:1] - 1))
+    length = np.diff(start, append=len(index))
+    return Runs(index[start], start, length)
+
+
+def with_column(table: pa.Table, name: str, values: Any) -> pa.Table:
+    """A table with a column put in its old place, in its old type; at the end, if it is new."""
+    if name not in table.column_names:
+        return table.append_column(name, pa.array(values))
+    at = table.column_names.index(name)
+    field = table.schema.field(at)
+    array = values if isinstance(values, pa.Array) else pa.array(values)
+    return table.set_column(at, field, array.cast(field.type))

@@ -1,0 +1,87 @@
+"""What a check found: where, what was there, what was expected, and how bad it is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from lfr.artifacts import plain
+
+Severity = Literal["error", "warning"]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that is wrong with a dataset.
+
+    Attributes:
+        check: the name of the kind, e.g. `gap-in-time`; see docs/trust.md.
+        message: what is wrong, in words.
+        severity: an "error" makes the dataset unfit; a "warning" is for someone to look at.
+        file: relative to the dataset's folder, "" where no one file is at fault.
+        episode: its index; None where it is not about one.
+        column: a column of the rows, of meta/episodes or of stats.json, or one dimension of it.
+        row: over the rows of all episodes; with `places` above 1, the first of them.
+        found, expected: what was there, and what should be.
+        places: how many rows or episodes the same is wrong in.
+    """
+
+    check: str
+    message: str
+    severity: Severity = "error"
+    file: str = ""
+    episode: int | None = None
+    column: str | None = None
+    row: int | None = None
+    found: Any = None
+    expected: Any = None
+    places: int = 1
+
+    def __str__(self) -> str:
+        """One line for a terminal."""
+        where = [self.file] if self.file else []
+        named = {"episode": self.episode, "column": self.column, "row": self.row}
+        named |= {"found": self.found, "expected": self.expected}
+        where += [f"{name} {_short(value)}" for name, value in named.items() if value is not None]
+        more = f" (and {self.places - 1} more)" if self.places > 1 else ""
+        return f"{self.severity}: {self.check}: {self.message}: {', '.join(where)}{more}"
+
+    def as_json(self) -> dict[str, Any]:
+        """For machines: every attribute, in JSON's types."""
+        content = plain(self)
+        for name in ("found", "expected"):  # JSON has no NaN
+            value = getattr(self, name)
+            if value is not None and not isinstance(value, bool | int | str):
+                content[name] = _short(value)
+        return content
+
+
+def _short(value: object) -> str:
+    text = f"{value:.9g}" if isinstance(value, float) else str(value)
+    text = " ".join(text.split())
+    return text if len(text) <= 200 else f"{text[:197]}..."
+
+
+class Unreadable(Exception):
+    """A part of the dataset that a check needs and cannot have; the finding says why."""
+
+    def __init__(self, finding: Finding) -> None:
+        super().__init__(str(finding))
+        self.finding = finding
+
+
+@contextmanager
+def unreadable(check: str, message: str, *errors: type[Exception], **place: Any) -> Iterator[None]:
+    """Turn these errors into a finding at this place."""
+    try:
+        yield
+    except errors as error:
+        text = str(error) or type(error).__name__
+        raise Unreadable(Finding(check, message, found=text, **place)) from error
+
+
+def first(wrong: Any) -> tuple[int, int]:
+    """Index of the first true value of a (N,) bool array, and how many there are."""
+    return int(wrong.argmax()), int(wrong.sum())

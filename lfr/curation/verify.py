@@ -1,0 +1,137 @@
+"""All checks of a dataset, one after the other, none of which stops the others."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from lfr.curation.checks.counts import check_counts
+from lfr.curation.checks.files import check_files
+from lfr.curation.checks.logs import check_logs, default_folder, has_logs
+from lfr.curation.checks.order import check_order, check_tasks, check_time
+from lfr.curation.checks.schema import check_schema
+from lfr.curation.checks.seeds import check_seeds
+from lfr.curation.checks.statistics import check_statistics
+from lfr.curation.checks.values import check_values
+from lfr.curation.checks.videos import check_videos
+from lfr.curation.contents import Contents
+from lfr.curation.finding import Finding, Unreadable
+from lfr.errors import DataError
+from lfr.progress import progress
+
+Check = Callable[[Contents], Iterable[Finding]]
+
+CHECKS: dict[str, Check] = {
+    "files": check_files,
+    "schema": check_schema,
+    "counts": check_counts,
+    "order": check_order,
+    "time": check_time,
+    "tasks": check_tasks,
+    "values": check_values,
+    "statistics": check_statistics,
+    "videos": check_videos,
+    "seeds": check_seeds,
+}
+
+
+@dataclass(frozen=True)
+class Report:
+    """What came of verifying a dataset.
+
+    Attributes:
+        path: the dataset's folder.
+        findings: in the order of the checks.
+        episodes, frames: as info.json counts them.
+        not_checked: what could not be looked at, and why; nothing is wrong with it.
+    """
+
+    path: Path
+    findings: tuple[Finding, ...]
+    episodes: int = 0
+    frames: int = 0
+    not_checked: tuple[str, ...] = field(default=())
+
+    @property
+    def errors(self) -> list[Finding]:
+        return [finding for finding in self.findings if finding.severity == "error"]
+
+    @property
+    def warnings(self) -> list[Finding]:
+        return [finding for finding in self.findings if finding.severity == "warning"]
+
+    def __str__(self) -> str:
+        """The last line."""
+        rest = f"; not checked: {', '.join(self.not_checked)}" if self.not_checked else ""
+        return (
+            f"{self.path}: {self.episodes} episodes, {self.frames} frames: "
+            f"{_count(self.errors, 'error')}, {_count(self.warnings, 'warning')}{rest}"
+        )
+
+    def as_json(self) -> dict[str, Any]:
+        return {
+            "path": str(self.path),
+            "episodes": self.episodes,
+            "frames": self.frames,
+            "errors": len(self.errors),
+            "warnings": len(self.warnings),
+            "not_checked": list(self.not_checked),
+            "findings": [finding.as_json() for finding in self.findings],
+        }
+
+
+def verify_dataset(path: Path, logs: Path | None = None) -> Report:
+    """Check a LeRobot v3.0 dataset for all that can be wrong with it.
+
+    Args:
+        path: the dataset's folder; nothing is written to it.
+        logs: the folder of the logs it was packed from; by default `data/logs/<name>` beside a
+            dataset `data/lerobot/<name>`, where that is.
+
+    Raises:
+        DataError: there is no LeRobot v3.0 dataset at `path`, or no folder `logs`.
+    """
+    path = Path(path)
+    if logs is not None and not logs.is_dir():
+        raise DataError("no such folder of logs", file=logs)
+    try:
+        contents = Contents.open(path)
+    except Unreadable as unreadable:
+        return Report(path, (unreadable.finding,))
+    logs = logs or default_folder(path)
+    checks = {**CHECKS, "logs": partial(check_logs, folder=logs)}
+    findings: dict[Finding | str, Finding] = {}
+    bar = progress(checks.items(), f"verify {path.name}", "check")
+    for _, check in bar:
+        for finding in _all(check, contents):
+            findings.setdefault(str(finding), finding)  # a file that two checks cannot read
+    totals = [contents.info.get(name) for name in ("total_episodes", "total_frames")]
+    episodes, frames = (total if isinstance(total, int) else 0 for total in totals)
+    return Report(
+        path, tuple(findings.values()), episodes, frames, tuple(_not_checked(contents, logs))
+    )
+
+
+def _all(check: Check, contents: Contents) -> Iterator[Finding]:
+    try:
+        yield from check(contents)
+    except Unreadable as unreadable:
+        yield unreadable.finding
+
+
+def _not_checked(contents: Contents, logs: Path | None) -> Iterator[str]:
+    try:
+        named = has_logs(contents)
+    except Unreadable:
+        return
+    if not named:
+        yield "logs (the episodes name none)"
+    elif logs is None:
+        yield "logs (not there; --logs DIR)"
+
+
+def _count(findings: list[Finding], word: str) -> str:
+    return f"{len(findings) or 'no'} {word}{'' if len(findings) == 1 else 's'}"

@@ -1,0 +1,39 @@
+"""`lfr verify PATH`: whether a dataset can be trusted, and where it cannot."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+
+WRONG = 1  # exit code; 2 is what is not a dataset at all
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The arguments of `lfr verify`."""
+    parser.add_argument("path", type=Path, help="the folder of a LeRobot v3.0 dataset")
+    parser.add_argument("--json", action="store_true", help="print one JSON object, for machines")
+    parser.add_argument(
+        "--logs",
+        type=Path,
+        metavar="DIR",
+        help="the MCAP logs it was packed from (default: data/logs/<name> beside its folder)",
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print what is wrong; 1 when there is an error, 0 when there are warnings at most.
+
+    Raises:
+        DataError: there is no LeRobot v3.0 dataset at the path.
+    """
+    from lfr.curation.verify import verify_dataset
+
+    report = verify_dataset(arguments.path, arguments.logs)
+    if arguments.json:
+        print(json.dumps(report.as_json(), indent=2, ensure_ascii=False))
+    else:
+        for finding in report.findings:
+            print(finding)
+        print(report)
+    return WRONG if report.errors else 0

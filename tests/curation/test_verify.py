@@ -1,0 +1,158 @@
+"""Each thing that can be wrong is found, in its place; a sound dataset has no finding."""
+
+import json
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+
+from lfr import cli
+from lfr.curation.finding import Finding
+from lfr.curation.verify import Report, verify_dataset
+from lfr.errors import DataError
+
+from .broken import BROKEN, EPISODES, column, cut, info, stats
+
+
+def test_a_sound_dataset_has_no_finding(sound: Path) -> None:
+    report = verify_dataset(sound)
+    assert report.findings == ()
+    assert (report.episodes, report.frames, report.not_checked) == (5, 55, ())
+
+
+def test_what_was_not_looked_at_is_said(sound: Path, tmp_path: Path) -> None:
+    alone = shutil.copytree(sound, tmp_path / "alone")
+    report = verify_dataset(alone)
+    assert report.findings == ()
+    assert report.not_checked == ("logs (not there; --logs DIR)",)
+    assert verify_dataset(alone, sound.parent.parent / "logs/panda-lift").not_checked == ()
+    with pytest.raises(DataError, match="no such folder of logs"):
+        verify_dataset(alone, tmp_path / "nowhere")
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_what_is_wrong_is_found_in_its_place(dataset: Path, name: str) -> None:
+    damage, check, severity, shown = BROKEN[name]
+    damage(dataset)
+    findings = verify_dataset(dataset).findings
+    lines = [str(finding) for finding in findings]
+    assert any(
+        (finding.check, finding.severity) == (check, severity) and re.search(shown, line)
+        for finding, line in zip(findings, lines, strict=True)
+    ), "\n".join(lines)
+    assert all("\n" not in line for line in lines)
+
+
+def test_one_value_changed_is_found_by_its_statistics(dataset: Path) -> None:
+    """Within every range and finite: only what was computed from it tells."""
+    column("data/chunk-000/file-000.parquet", "action", lambda v: v[20].__setitem__(1, 0.999))(
+        dataset
+    )
+    findings = verify_dataset(dataset).findings
+    assert {finding.check for finding in findings} == {"statistics"}
+    assert {finding.episode for finding in findings} == {None, 1}
+
+
+def test_a_dataset_by_lerobot_has_the_known_finding_alone(by_lerobot: Path) -> None:
+    """Its quantiles are averages of the episodes'; nothing else is held against it."""
+    report = verify_dataset(by_lerobot)
+    assert {f.check for f in report.findings} == {"averaged-quantiles"}, report.findings
+    assert not report.errors
+    assert any(f.column == "action/q01" for f in report.findings)
+    assert report.not_checked == ("logs (the episodes name none)",)
+
+
+def test_a_quantile_that_is_no_average_is_an_error(by_lerobot: Path, tmp_path: Path) -> None:
+    dataset = shutil.copytree(by_lerobot, tmp_path / "theirs")
+    stats(lambda s: s["action"]["q01"].__setitem__(0, 0.0))(dataset)
+    errors = verify_dataset(dataset).errors
+    assert [error.column for error in errors] == ["action/q01"]
+
+
+def test_other_projects_names_have_no_ranges(by_lerobot: Path, tmp_path: Path) -> None:
+    """Metres for us, perhaps degrees for them."""
+    dataset = shutil.copytree(by_lerobot, tmp_path / "theirs")
+    info(features={**json.loads((dataset / "meta/info.json").read_text())["features"]})(dataset)
+    assert not [f for f in verify_dataset(dataset).findings if f.check == "range"]
+
+
+def test_a_killed_recording_by_lerobot_is_found(tmp_path: Path) -> None:
+    """Never finalized: the Parquet files have no footers (lerobot issue 3522)."""
+    import numpy as np
+    from lerobot.datasets import LeRobotDataset
+
+    features = {"action": {"dtype": "float32", "shape": (2,), "names": ["left", "right"]}}
+    recorded = LeRobotDataset.create("theirs/killed", 30, features, root=tmp_path / "killed")
+    for _ in range(12):
+        recorded.add_frame({"action": np.zeros(2, np.float32), "task": "Wait."})
+    recorded.save_episode()
+    shutil.copytree(tmp_path / "killed", tmp_path / "left")
+    recorded.finalize()
+    errors = verify_dataset(tmp_path / "left").errors
+    assert any(error.file.startswith("data/") for error in errors)
+    assert any("Parquet" in error.message for error in errors)
+
+
+def test_what_is_no_dataset_at_all(tmp_path: Path, dataset: Path) -> None:
+    with pytest.raises(DataError, match="no such dataset"):
+        verify_dataset(tmp_path / "absent")
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(DataError, match="not a LeRobot dataset"):
+        verify_dataset(tmp_path / "empty")
+    info(codebase_version="v2.1")(dataset)
+    with pytest.raises(DataError, match=r"convert it.*found v2.1, expected v3.0"):
+        verify_dataset(dataset)
+
+
+def test_nothing_is_written(sound: Path) -> None:
+    before = {p: p.stat().st_mtime_ns for p in sound.rglob("*")}
+    verify_dataset(sound)
+    assert {p: p.stat().st_mtime_ns for p in sound.rglob("*")} == before
+
+
+@pytest.fixture(scope="module")
+def exit_codes(sound: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[Path, int]:
+    folder = tmp_path_factory.mktemp("exit")
+    paths = [shutil.copytree(sound, folder / name) for name in ("sound", "warned", "wrong")]
+    column(EPISODES, "seed", lambda v: v.__setitem__(2, 1))(paths[1])
+    cut(EPISODES, 0.5)(paths[2])
+    return {**dict(zip(paths, (0, 0, 1), strict=True)), folder: 2}
+
+
+def test_exit_codes_and_the_last_line(
+    exit_codes: dict[Path, int], capsys: pytest.CaptureFixture[str]
+) -> None:
+    last = []
+    for path, code in exit_codes.items():
+        assert cli.main(["verify", str(path)]) == code, path
+        printed = capsys.readouterr()
+        last.append((printed.out or printed.err).splitlines()[-1])
+    assert "sound: 5 episodes, 55 frames: no errors, no warnings" in last[0]
+    assert "no errors, 1 warning;" in last[1]
+    assert re.search(r"wrong: .* [1-9]\d* errors?, ", last[2])
+    assert last[3].startswith("lfr: error: not a LeRobot dataset")
+
+
+def test_json_says_the_same(
+    exit_codes: dict[Path, int], capsys: pytest.CaptureFixture[str]
+) -> None:
+    for path, code in list(exit_codes.items())[:3]:
+        assert cli.main(["verify", str(path), "--json"]) == code
+        content = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
+        report = verify_dataset(path)
+        assert (content["errors"], content["warnings"]) == (
+            len(report.errors),
+            len(report.warnings),
+        )
+        assert [f["check"] for f in content["findings"]] == [f.check for f in report.findings]
+        assert all(set(Finding.__dataclass_fields__) == set(f) for f in content["findings"])
+
+
+def test_a_report_is_one_line(tmp_path: Path) -> None:
+    finding = Finding("range", "out of\nits range", file="data", row=3, found=float("nan"))
+    report = Report(tmp_path, (finding,), 1, 2)
+    assert str(report).endswith("1 episodes, 2 frames: 1 error, no warnings")
+    assert (
+        json.loads(json.dumps(report.as_json(), allow_nan=False))["findings"][0]["found"] == "nan"
+    )
