@@ -8,18 +8,28 @@ from pathlib import Path
 import pyarrow as pa
 
 from lfr.artifacts import file_hash
-from lfr.data.checks import check_dataset
+from lfr.curation.verify import verify_dataset
 from lfr.data.tables import DatasetFiles
 from lfr.errors import DataError
 
 
 def refuse_faulty_dataset(path: Path) -> None:
-    """Hold a dataset to what it must be to be published.
+    """Hold a dataset to what `lfr verify` asks of it; warnings do not count.
 
     Raises:
-        DataError: what is wrong, with its place.
+        DataError: the first thing that is wrong, with its place.
     """
-    check_dataset(path)
+    report = verify_dataset(path)
+    if report.errors:
+        first = report.errors[0]
+        raise DataError(
+            f"{first.check}: {first.message} ({len(report.errors)} errors; `lfr verify` lists all)",
+            file=path / first.file,
+            episode=first.episode,
+            column=first.column,
+            found=first.found,
+            expected=first.expected,
+        )
 
 
 def refuse_faulty_models(models: Iterable[tuple[Path, str]]) -> None:

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from tests.data import made_up
+from tests.curation import made_up
 
 from .server import Hub, serving
 
