@@ -12,6 +12,7 @@ from lfr.program import run_program
 
 # Name -> what it does, and the module with its ``add_arguments(parser)`` and ``run(options)``.
 COMMANDS = {
+    "export": ("write a trained policy for LeRobot's own scripts", "lfr.lerobot_plugin.export"),
     "view": ("open an episode, a dataset or a training run in rerun", "lfr.view.command"),
 }
 
