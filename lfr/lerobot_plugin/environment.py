@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from functools import cache
 from typing import Any
 
 import gymnasium
@@ -80,12 +81,7 @@ class LeRobotEnvironment(gymnasium.Wrapper):
 
         `lerobot-eval` films ten episodes and cannot be told not to.
         """
-        from lfr.sim.camera import camera_available
-
-        if camera_available():
-            return self.env.render()
-        logging.warning("no OpenGL on this machine: the videos of episodes are black")
-        return np.zeros((SIZE, SIZE, 3), np.uint8)
+        return self.env.render() if _seeing() else np.zeros((SIZE, SIZE, 3), np.uint8)
 
     def _named(self, observation: NDArray[np.float64]) -> dict[str, Any]:
         named: dict[str, Any] = {
@@ -104,6 +100,15 @@ def make_environment(horizon: int, **options: Any) -> gymnasium.Env[Any, Any]:
     wrapper tells it `_max_episode_steps`.
     """
     return FreezeAfterEpisodeEnd(TimeLimit(LeRobotEnvironment(**options), horizon))
+
+
+@cache
+def _seeing() -> bool:
+    from lfr.sim.camera import camera_available
+
+    if not camera_available():
+        logging.warning("no OpenGL on this machine: the videos of episodes are black")
+    return camera_available()
 
 
 def _part(space: gymnasium.spaces.Box, part: slice) -> gymnasium.spaces.Box:
