@@ -23,8 +23,9 @@ def run(arguments: argparse.Namespace) -> int:
     """
     robot, task = export_policy(arguments.policy, arguments.out)
     print(
-        f"lerobot-eval --policy.path={arguments.out} --env.type=lfr --env.robot={robot} "
-        f"--env.task={task} --seed=0 --eval.n_episodes=100 --eval.batch_size=1"
+        f"lerobot-eval --policy.path={arguments.out} "
+        "--env.discover_packages_path=lfr.lerobot_plugin --env.type=lfr "
+        f"--env.robot={robot} --env.task={task} --seed=0 --eval.n_episodes=100 --eval.batch_size=1"
     )
     return 0
 

@@ -40,6 +40,7 @@ class LfrPolicy(PreTrainedPolicy):
             prior=MappedPolicy(networks["p_a"], networks["phi_prior"]),
             decoder=networks["decoder"],  # pyright: ignore[reportArgumentType]
         )
+        self._task = config.task_name
         self._waiting: deque[Tensor] = deque()
 
     @classmethod
@@ -91,5 +92,5 @@ class LfrPolicy(PreTrainedPolicy):
         if found != expected:
             raise LfrError(
                 f"{key} has shape {found}, expected {expected}: the policy has learned "
-                f"{self.config.task_name}, pass --env.task={self.config.task_name}"
+                f"{self._task}, pass --env.task={self._task}"
             )
