@@ -38,7 +38,7 @@ setup: $(READY)
 $(READY): requirements.lock pyproject.toml .python-version | $(UV)
 	$(UV) venv --quiet --allow-existing .venv
 	$(UV) pip sync --quiet --require-hashes requirements.lock
-	$(UV) pip install --quiet --no-deps --editable .
+	$(UV) pip install --quiet --no-deps --editable . --editable plugins/lerobot_policy_lfr
 	touch $@
 
 # A pyenv shim may be there and not work, so it is tried. Debian's own python3 stands in for a

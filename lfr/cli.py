@@ -12,13 +12,14 @@ from lfr.program import run_program
 
 # Name -> what it does, and the module with its ``add_arguments(parser)`` and ``run(options)``.
 COMMANDS = {
-    "card": ("write the cards of datasets and models", "lfr.hub.card_command"),
-    "publish": ("publish a dataset or models, checked and whole", "lfr.hub.publish_command"),
     "view": ("open an episode, a dataset or a training run in rerun", "lfr.view.command"),
     "verify": ("check a dataset for all that can be wrong", "lfr.curation.verify_command"),
     "replay": ("run recorded actions and compare the states", "lfr.curation.replay_command"),
     "recover": ("mend a cut-off MCAP log", "lfr.curation.recover_command"),
     "edit": ("delete, split or merge episodes of datasets", "lfr.curation.edit_command"),
+    "card": ("write the cards of datasets and models", "lfr.hub.card_command"),
+    "publish": ("publish a dataset or models, checked and whole", "lfr.hub.publish_command"),
+    "export": ("write a trained policy for LeRobot's own scripts", "lfr.lerobot_plugin.export"),
 }
 
 

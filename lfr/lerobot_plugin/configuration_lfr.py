@@ -1,0 +1,86 @@
+"""`--policy.type=lfr`: what LeRobot has to know of a transferred policy before it builds it.
+
+The names of this module, of `modeling_lfr`, of `processor_lfr` and of what they define are
+LeRobot's convention: it finds the one by replacing a word in the name of the other
+(`lerobot.policies.factory`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from lerobot.configs import FeatureType, NormalizationMode, PolicyFeature, PreTrainedConfig
+from lerobot.optim import AdamConfig, LRSchedulerConfig, OptimizerConfig
+from lerobot.utils.constants import ACTION, OBS_ENV_STATE, OBS_STATE
+
+from lfr.errors import ParameterError
+from lfr.robots import ACTION_NAMES
+from lfr.sim.layout import ObservationLayout
+from lfr.tasks import task
+
+
+@PreTrainedConfig.register_subclass("lfr")
+@dataclass
+class LfrConfig(PreTrainedConfig):
+    """A policy over skills, with the decoder that carries them out (`lfr.transfer.model`).
+
+    Attributes:
+        robot, task_name: the arm and the task that it has learned.
+        networks: of each network its class and the arguments of its constructor.
+        about: all else that was saved with it: transfer, method, seed, parameters, provenance.
+    """
+
+    robot: str = ""
+    task_name: str = ""
+    networks: dict[str, Any] = field(default_factory=dict)
+    about: dict[str, Any] = field(default_factory=dict)
+    # The networks scale their inputs themselves.
+    normalization_mapping: dict[str, NormalizationMode] = field(
+        default_factory=lambda: dict.fromkeys(
+            ("STATE", "ENV", "ACTION"), NormalizationMode.IDENTITY
+        )
+    )
+
+    @property
+    def observation_delta_indices(self) -> None:
+        return None
+
+    @property
+    def action_delta_indices(self) -> None:
+        return None
+
+    @property
+    def reward_delta_indices(self) -> None:
+        return None
+
+    def validate_features(self) -> None:
+        """Raises ParameterError for a policy without networks, such as `--policy.type=lfr` gives.
+
+        Its networks come from the pipeline, by `lfr export`; LeRobot cannot make them.
+        """
+        if not self.networks:
+            raise ParameterError(
+                "a policy of type lfr has no networks of its own; "
+                "`lfr export` writes one for --policy.path"
+            )
+
+    def get_optimizer_preset(self) -> OptimizerConfig:
+        return AdamConfig()
+
+    def get_scheduler_preset(self) -> LRSchedulerConfig | None:
+        return None
+
+
+def features_of(task_name: str) -> tuple[dict[str, PolicyFeature], dict[str, PolicyFeature]]:
+    """What a policy for a task is given and what it answers, by LeRobot's names.
+
+    Raises:
+        UnknownNameError: there is no such task.
+    """
+    layout = ObservationLayout.of(task(task_name))
+    given = {
+        OBS_STATE: PolicyFeature(FeatureType.STATE, (len(layout.state_names),)),
+        OBS_ENV_STATE: PolicyFeature(FeatureType.ENV, (len(layout.environment_names),)),
+    }
+    return given, {ACTION: PolicyFeature(FeatureType.ACTION, (len(ACTION_NAMES),))}

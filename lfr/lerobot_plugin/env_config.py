@@ -1,0 +1,95 @@
+"""`--env.type=lfr`: this project's environments for LeRobot's scripts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any, get_args
+
+import gymnasium
+from gymnasium.vector import AutoresetMode
+from lerobot.configs import FeatureType, PolicyFeature
+from lerobot.envs.configs import EnvConfig
+from lerobot.utils.constants import ACTION, OBS_ENV_STATE, OBS_IMAGES, OBS_STATE
+
+from lfr.data.episode import FPS
+from lfr.errors import ParameterError, UnknownNameError
+from lfr.lerobot_plugin.configuration_lfr import features_of
+from lfr.lerobot_plugin.environment import CAMERA, SIZE, make_environment
+from lfr.robots import robot
+from lfr.seeds import Use
+from lfr.sim.environment import checked_reward
+from lfr.tasks import task
+
+
+@EnvConfig.register_subclass("lfr")
+@dataclass
+class LfrEnv(EnvConfig):
+    """`--env.type=lfr --env.robot=panda --env.task=lift`.
+
+    Attributes:
+        robot, task: of `lfr.robots` and `lfr.tasks`; there is no default, for any other than a
+            policy's own would judge it wrongly.
+        reward: `dense` or `sparse`.
+        seeds: whose starts the seeds number (`lfr.seeds`). LeRobot's `--seed=0` then is the first
+            held-out start, and no seed is a demonstration's.
+        pictures: observe `observation.images.agentview` too; needs OpenGL.
+    """
+
+    robot: str = ""
+    task: str | None = None
+    fps: int = FPS
+    reward: str = "dense"
+    seeds: str = "held-out"
+    pictures: bool = False
+    features: dict[str, PolicyFeature] = field(default_factory=dict)
+    features_map: dict[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Raises ParameterError or UnknownNameError for what there is not."""
+        if not self.robot or not self.task:
+            raise ParameterError("say which: --env.robot=panda --env.task=lift, or another")
+        robot(self.robot)
+        checked_reward(self.reward)
+        if self.seeds not in get_args(Use):
+            raise UnknownNameError("use of seeds", self.seeds, get_args(Use))
+        given, answered = features_of(self.task)
+        self.features = {
+            "agent_pos": given[OBS_STATE],
+            "environment_state": given[OBS_ENV_STATE],
+            **answered,
+        }
+        self.features_map = {
+            "agent_pos": OBS_STATE,
+            "environment_state": OBS_ENV_STATE,
+            ACTION: ACTION,
+        }
+        if self.pictures:
+            key = f"{OBS_IMAGES}.{CAMERA}"
+            self.features[key] = PolicyFeature(FeatureType.VISUAL, (SIZE, SIZE, 3))
+            self.features_map[key] = key
+
+    @property
+    def gym_kwargs(self) -> dict[str, Any]:
+        return {
+            "robot": self.robot,
+            "task": self.task,
+            "reward": self.reward,
+            "seeds": self.seeds,
+            "pictures": self.pictures,
+        }
+
+    def create_envs(
+        self, n_envs: int, use_async_envs: bool = False
+    ) -> dict[str, dict[int, gymnasium.vector.VectorEnv]]:
+        """`n_envs` of them in one batch, each in a process of its own if asked to."""
+        make = partial(make_environment, task(self.task or "").horizon, **self.gym_kwargs)
+        # Finished environments wait (FreezeAfterEpisodeEnd), which needs this mode.
+        mode = AutoresetMode.NEXT_STEP
+        if use_async_envs and n_envs > 1:
+            batch = gymnasium.vector.AsyncVectorEnv(
+                [make] * n_envs, context="forkserver", autoreset_mode=mode
+            )
+        else:
+            batch = gymnasium.vector.SyncVectorEnv([make] * n_envs, autoreset_mode=mode)
+        return {self.type: {0: batch}}

@@ -1,0 +1,115 @@
+"""One of this project's environments as LeRobot's scripts expect them."""
+
+from __future__ import annotations
+
+import logging
+from functools import cache
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.wrappers import TimeLimit
+from lerobot.envs.utils import FreezeAfterEpisodeEnd
+from numpy.typing import NDArray
+
+from lfr.seeds import PER_USE, Use, episode_seed
+from lfr.sim.environment import Environment, Reward, environment_id
+
+CAMERA = "agentview"
+SIZE = 128  # pixels, of `lfr.sim.environment.Environment.render` and of the recorded videos
+
+
+class LeRobotEnvironment(gymnasium.Wrapper):
+    """An arm in a task, observed by LeRobot's names, over at success as our own evaluation has it.
+
+    `reset(seed=k)` starts the k-th episode of a use (`lfr.seeds`): with `held-out`, the k-th start
+    that our evaluation judges policies on. The observation is a dictionary of `agent_pos` (11,)
+    and `environment_state` (E,), float64, and with `pictures` of `pixels` with the camera's
+    (128, 128, 3) uint8; LeRobot calls them `observation.state`, `observation.environment_state`
+    and `observation.images.agentview`. An episode ends ("terminated") with `info["is_success"]`,
+    or when the physics diverges.
+
+    Args:
+        robot, task, reward: as for `lfr.sim.environment.Environment`.
+        seeds: whose starts `reset` gives.
+        pictures: observe the camera's picture too.
+    """
+
+    def __init__(
+        self,
+        robot: str,
+        task: str,
+        reward: Reward = "dense",
+        seeds: Use = "held-out",
+        pictures: bool = False,
+    ) -> None:
+        environment = Environment(robot, task, reward, render_mode="rgb_array")
+        super().__init__(environment)
+        self._layout = environment.simulation.layout
+        self._seeds: Use = seeds
+        self._pictures = pictures
+        self.task = environment_id(robot, task)
+        self.task_description = environment.simulation.task.instruction
+        bounds: Any = environment.observation_space
+        spaces: dict[str, gymnasium.Space[Any]] = {
+            "agent_pos": _part(bounds, self._layout.state),
+            "environment_state": _part(bounds, self._layout.environment),
+        }
+        if pictures:
+            picture = gymnasium.spaces.Box(0, 255, (SIZE, SIZE, 3), np.uint8)
+            spaces["pixels"] = gymnasium.spaces.Dict({CAMERA: picture})
+        self.observation_space = gymnasium.spaces.Dict(spaces)
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Start an episode, a random one of the use's without a seed.
+
+        Raises:
+            LfrError: there is no start of that number.
+        """
+        index = int(self.unwrapped.np_random.integers(PER_USE)) if seed is None else seed
+        observation, info = self.env.reset(seed=episode_seed(self._seeds, index))
+        return self._named(observation), info
+
+    def step(self, action: Any) -> tuple[dict[str, Any], Any, bool, bool, dict[str, Any]]:
+        observation, reward, diverged, truncated, info = self.env.step(action)
+        return self._named(observation), reward, diverged or info["is_success"], truncated, info
+
+    def render(self) -> Any:
+        """The camera's picture, (128, 128, 3) uint8; a black one where OpenGL is missing.
+
+        `lerobot-eval` films ten episodes and cannot be told not to.
+        """
+        return self.env.render() if _seeing() else np.zeros((SIZE, SIZE, 3), np.uint8)
+
+    def _named(self, observation: NDArray[np.float64]) -> dict[str, Any]:
+        named: dict[str, Any] = {
+            "agent_pos": observation[self._layout.state],
+            "environment_state": observation[self._layout.environment],
+        }
+        if self._pictures:
+            named["pixels"] = {CAMERA: np.ascontiguousarray(self.env.render())}
+        return named
+
+
+def make_environment(horizon: int, **options: Any) -> gymnasium.Env[Any, Any]:
+    """A `LeRobotEnvironment` cut at the horizon, which waits at its end for the next rollout.
+
+    LeRobot steps a batch until its last episode is over, and stays within the horizon only if a
+    wrapper tells it `_max_episode_steps`.
+    """
+    return FreezeAfterEpisodeEnd(TimeLimit(LeRobotEnvironment(**options), horizon))
+
+
+@cache
+def _seeing() -> bool:
+    from lfr.sim.camera import camera_available
+
+    if not camera_available():
+        logging.warning("no OpenGL on this machine: the videos of episodes are black")
+    return camera_available()
+
+
+def _part(space: gymnasium.spaces.Box, part: slice) -> gymnasium.spaces.Box:
+    return gymnasium.spaces.Box(space.low[part], space.high[part], dtype=np.float64)

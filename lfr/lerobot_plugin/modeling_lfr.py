@@ -1,0 +1,96 @@
+"""A transferred policy as a LeRobot policy: the same networks, under the same tensor names."""
+
+from __future__ import annotations
+
+from collections import deque
+from pathlib import Path
+from typing import Any
+
+import torch
+from lerobot.policies.pretrained import PreTrainedPolicy
+from lerobot.utils.constants import OBS_ENV_STATE, OBS_STATE
+from torch import Tensor, nn
+
+from lfr.errors import LfrError
+from lfr.lerobot_plugin.configuration_lfr import LfrConfig
+from lfr.transfer.actor import SkillActor
+from lfr.transfer.model import PARTS
+from lfr.transfer.policy import MappedPolicy
+
+
+class LfrPolicy(PreTrainedPolicy):
+    """The mean skill for an observation, carried out action by action.
+
+    A batch is one of environments that were reset together: all choose their next skill at the
+    same step.
+    """
+
+    config_class = LfrConfig  # pyright: ignore[reportAssignmentType]
+    name = "lfr"  # pyright: ignore[reportAssignmentType]
+
+    def __init__(self, config: LfrConfig, **_: Any) -> None:
+        super().__init__(config)
+        config.validate_features()
+        networks: dict[str, nn.Module] = {}
+        for name, entry in config.networks.items():
+            networks[name] = PARTS[entry["class"]].network(**entry["shape"])
+            self.add_module(name, networks[name].requires_grad_(False))
+        self._actor = SkillActor(
+            policy=MappedPolicy(networks["pi"], networks["phi"]),
+            prior=MappedPolicy(networks["p_a"], networks["phi_prior"]),
+            decoder=networks["decoder"],  # pyright: ignore[reportArgumentType]
+        )
+        self._task = config.task_name
+        self._waiting: deque[Tensor] = deque()
+
+    @classmethod
+    def from_pretrained(
+        cls, pretrained_name_or_path: str | Path, *, strict: bool = True, **kwargs: Any
+    ) -> LfrPolicy:
+        """As LeRobot's, but a missing tensor is an error: such a policy would act at random."""
+        return super().from_pretrained(pretrained_name_or_path, strict=strict, **kwargs)
+
+    def reset(self) -> None:
+        """Forget the skill under way; an episode begins."""
+        self._waiting.clear()
+
+    @torch.no_grad()
+    def select_action(self, batch: dict[str, Tensor], **_: Any) -> Tensor:
+        """The next action (B, A) in [-1, 1]; chooses a skill where the last has been carried out.
+
+        Raises:
+            LfrError: an observation of another size than the policy's task has.
+        """
+        if not self._waiting:
+            self._waiting.extend(self.predict_action_chunk(batch).transpose(0, 1))
+        return self._waiting.popleft()
+
+    @torch.no_grad()
+    def predict_action_chunk(self, batch: dict[str, Tensor], **_: Any) -> Tensor:
+        """The actions (B, n, A) of the next skill, as many as are carried out of it.
+
+        Raises:
+            LfrError: an observation of another size than the policy's task has.
+        """
+        for key in (OBS_STATE, OBS_ENV_STATE):
+            self._check(key, tuple(batch[key].shape[1:]))
+        observations = torch.cat([batch[OBS_STATE], batch[OBS_ENV_STATE]], dim=-1)  # (B, D)
+        return self._actor.decoder.carry_out(self._actor.choose(observations).z)
+
+    def forward(self, batch: dict[str, Tensor]) -> tuple[Tensor, dict | None]:
+        """Raises LfrError: a transferred policy does not learn from a dataset."""
+        raise LfrError(
+            "a policy of type lfr learns by the pipeline's transfer stage, not by lerobot-train"
+        )
+
+    def get_optim_params(self) -> Any:
+        return self.parameters()
+
+    def _check(self, key: str, found: tuple[int, ...]) -> None:
+        features = self.config.input_features or {}
+        expected = tuple(features[key].shape)
+        if found != expected:
+            raise LfrError(
+                f"{key} has shape {found}, expected {expected}: the policy has learned "
+                f"{self._task}, pass --env.task={self._task}"
+            )

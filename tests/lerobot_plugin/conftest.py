@@ -1,0 +1,47 @@
+"""A small policy for Lift, as the pipeline saves it and as `lfr export` writes it."""
+
+from pathlib import Path
+
+import pytest
+import torch
+
+from lfr.lerobot_plugin.export import export_policy
+from lfr.mapping.generator import Generator
+from lfr.sim.layout import ObservationLayout
+from lfr.skills.prior import SkillPrior
+from lfr.skills.vae import SkillVAE
+from lfr.tasks import task
+from lfr.transfer.actor import SkillActor
+from lfr.transfer.model import save_policy
+from lfr.transfer.policy import MappedPolicy
+
+
+@pytest.fixture(autouse=True, scope="package")
+def one_thread():
+    """As in a job of the evaluation."""
+    before = torch.get_num_threads()
+    torch.set_num_threads(1)
+    yield
+    torch.set_num_threads(before)
+
+
+@pytest.fixture(scope="package")
+def saved(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    torch.manual_seed(0)
+    names = ObservationLayout.of(task("lift")).names
+
+    def mapped() -> MappedPolicy:
+        return MappedPolicy(SkillPrior(names, 4, hidden=16, layers=2), Generator(4, 16, 2))
+
+    decoder = SkillVAE(10, 7, 4, hidden=16, execute=5)
+    folder = tmp_path_factory.mktemp("models") / "seed-0"
+    about = {"robot": "panda", "task": "lift", "transfer": "s1-panda-lift", "seed": 0}
+    save_policy(folder, SkillActor(mapped(), mapped(), decoder), about)
+    return folder
+
+
+@pytest.fixture(scope="package")
+def exported(saved: Path) -> Path:
+    folder = saved.parent / "exported"
+    assert export_policy(saved, folder) == ("panda", "lift")
+    return folder
