@@ -1,0 +1,108 @@
+"""`lfr import FILE.hdf5 --to FOLDER`: a dataset of another project as a LeRobot dataset."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import fields
+from pathlib import Path
+from typing import get_args
+
+from lfr.errors import DataError
+
+CHOICE = ("state", "environment", "action", "quaternions", "success", "video", "simulator_states")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The arguments of `lfr import`."""
+    from lfr.importing.columns import Quaternions
+    from lfr.importing.features import Choice, Successes
+
+    usual = Choice()
+    parser.add_argument("file", type=Path, help="robomimic's HDF5, with observations")
+    parser.add_argument("--to", type=Path, required=True, help="the dataset's folder, a new one")
+    parser.add_argument(
+        "--state", nargs="+", default=usual.state, metavar="KEY",
+        help=f"observations of observation.state (default: {' '.join(usual.state)})",
+    )  # fmt: skip
+    parser.add_argument(
+        "--environment", nargs="*", default=usual.environment, metavar="KEY",
+        help="of observation.environment_state (default: object); none leaves it out",
+    )  # fmt: skip
+    parser.add_argument(
+        "--action", default=usual.action, metavar="KEY", help="array of actions (default: actions)"
+    )
+    parser.add_argument(
+        "--quaternions", choices=get_args(Quaternions), default=usual.quaternions,
+        help="observations called _quat: two columns of the rotation matrix, or as they are",
+    )  # fmt: skip
+    parser.add_argument(
+        "--success", choices=get_args(Successes), default=usual.success,
+        help="a frame succeeds by a reward of 1, by done as recorded, or as a demonstration's last",
+    )  # fmt: skip
+    parser.add_argument("--no-video", dest="video", action="store_false", help="leave pictures out")
+    parser.add_argument(
+        "--simulator-states", action="store_true", help="keep states, as the column simulator_state"
+    )
+    parser.add_argument("--mask", help="only the demonstrations of this filter key")
+    parser.add_argument("--robot", help="name of the arm (default: the file's)")
+    parser.add_argument("--task", help="name of the task (default: the file's)")
+    parser.add_argument("--instruction", help="the task in words")
+    parser.add_argument("--fps", type=int, help="control steps per second (default: the file's)")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Carry out `lfr import`.
+
+    Raises:
+        LfrError: a file that cannot be imported, or a folder that is not free.
+    """
+    from lfr.importing.dataset import About, import_robomimic
+    from lfr.importing.features import Choice
+
+    _refuse_lerobot(arguments.file)
+    given = vars(arguments)
+    lists = {"state": tuple(arguments.state), "environment": tuple(arguments.environment)}
+    choice = Choice(**{**{name: given[name] for name in CHOICE}, **lists})
+    about = About(**{field.name: given[field.name] for field in fields(About)})
+    counts = import_robomimic(arguments.file, arguments.to, choice, about, arguments.mask)
+    print(
+        f"{arguments.to}: {counts['episodes']} episodes, {counts['frames']} frames, "
+        f"{counts['successes']} successful, {len(counts['cameras'])} cameras"
+    )
+    if counts["left_out"]:
+        print(f"left out: {', '.join(counts['left_out'])}")
+    return 0
+
+
+def _refuse_lerobot(path: Path) -> None:
+    """Raises DataError for a LeRobot dataset, with the command that converts an old one."""
+    from lfr.artifacts import read_json
+    from lfr.data.tables import VERSION
+
+    info = path / "meta" / "info.json"
+    if not path.is_dir():
+        return
+    if not info.is_file():
+        raise DataError("a folder", file=path, expected="robomimic's HDF5 file")
+    version = read_json(info).get("codebase_version")
+    if version == VERSION:
+        raise DataError("a LeRobot dataset already; nothing to import", file=path, found=version)
+    raise DataError(
+        f"another LeRobot format; convert it in place with: {conversion(path)}",
+        file=info, found=version, expected=VERSION,
+    )  # fmt: skip
+
+
+def conversion(path: Path) -> str:
+    """LeRobot's own command that makes a v2.1 dataset a v3.0 one.
+
+    It would push the result to the Hub unless told not to, and it leaves what was there beside it
+    as `<name>_old`.
+    """
+    import shlex
+
+    folder = path.resolve()
+    return shlex.join(
+        ["python", "-m", "lerobot.scripts.convert_dataset_v21_to_v30",
+         f"--repo-id=local/{folder.name}", f"--root={folder}", "--push-to-hub=false"]
+    )  # fmt: skip
