@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from lfr.data import tables
 from lfr.errors import DataError
 from lfr.importing.features import Layout, video_keys
 from lfr.importing.robomimic import Demo
@@ -23,12 +25,12 @@ def compare_with_source(root: Path, repo_id: str, layout: Layout, demos: Sequenc
     from lfr.data.video import count_frames
 
     dataset = LeRobotDataset(repo_id, root=root, video_backend="pyav")
-    rows = dataset.hf_dataset.with_format("numpy")
+    rows = dataset.hf_dataset.with_format("arrow")  # numpy would make float64 float32
     at = 0
     for demo in demos:
-        part = rows[at : at + len(demo)]
+        part: Any = rows[at : at + len(demo)]
         for key, expected in layout.read(demo).items():
-            found = np.asarray(part[key])
+            found = tables.values(part, key)
             if found.dtype != expected.dtype or not np.array_equal(found, expected):
                 raise DataError(
                     "the dataset differs from its file", file=demo.file,
