@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -16,19 +16,7 @@ from lfr.robots import ACTION_NAMES
 Quaternions = Literal["rot6d", "keep"]
 
 XYZ, XYZW = ("x", "y", "z"), ("x", "y", "z", "w")
-# `object` is robosuite's `object-state`, whose parts are not in the file; robosuite 1.5's order.
-OBJECT_PARTS: dict[str, tuple[tuple[str, tuple[str, ...]], ...]] = {
-    "Lift": (("cube_pos", XYZ), ("cube_quat", XYZW), ("gripper_to_cube_pos", XYZ)),
-    **{
-        env: (
-            (f"{name}_pos", XYZ),
-            (f"{name}_quat", XYZW),
-            (f"{name}_to_robot0_eef_pos", XYZ),
-            (f"{name}_to_robot0_eef_quat", XYZW),
-        )
-        for env, name in (("PickPlaceCan", "Can"), ("NutAssemblySquare", "SquareNut"))
-    },
-}
+Parts = tuple[tuple[str, tuple[str, ...]], ...]
 UNIT_TOLERANCE = 1e-3  # of a quaternion's norm
 
 
@@ -79,17 +67,39 @@ class Column:
 
 
 def columns(
-    demo: Demo, keys: Sequence[str], env_name: str, quaternions: Quaternions
+    demo: Demo, keys: Sequence[str], env_args: Mapping[str, Any], quaternions: Quaternions
 ) -> tuple[Column, ...]:
     """The observations called ``keys`` of a file whose first demonstration is ``demo``.
 
     Raises:
         DataError: there is no such observation; the message lists those there are.
     """
-    return tuple(_column(demo, key, env_name, quaternions) for key in keys)
+    return tuple(_column(demo, key, env_args, quaternions) for key in keys)
 
 
-def _column(demo: Demo, key: str, env_name: str, quaternions: Quaternions) -> Column:
+def object_parts(env_args: Mapping[str, Any]) -> Parts:
+    """What robosuite put into `object` (its `object-state`), which the file does not say.
+
+    robosuite 1.5 lists an object's pose in the hand before its pose in the world, earlier ones
+    after it. `env_version` is that of the robosuite which wrote the observations. () where it is
+    missing or the task is another: the dimensions are then numbered.
+    """
+    version = str(env_args.get("env_version", "")).split(".")[:2]
+    env_name = env_args.get("env_name")
+    if not all(part.isdigit() for part in version) or len(version) < 2:
+        return ()
+    if env_name == "Lift":
+        return ("cube_pos", XYZ), ("cube_quat", XYZW), ("gripper_to_cube_pos", XYZ)
+    name = {"PickPlaceCan": "Can", "NutAssemblySquare": "SquareNut"}.get(str(env_name))
+    if name is None:
+        return ()
+    there = (f"{name}_pos", XYZ), (f"{name}_quat", XYZW)
+    in_hand = (f"{name}_to_robot0_eef_pos", XYZ), (f"{name}_to_robot0_eef_quat", XYZW)
+    before = tuple(int(part) for part in version) < (1, 5)
+    return there + in_hand if before else in_hand + there
+
+
+def _column(demo: Demo, key: str, env_args: Mapping[str, Any], quaternions: Quaternions) -> Column:
     there = demo.observations
     if key not in there:
         found = ", ".join(f"{name} {list(shape)}" for name, shape in there.items())
@@ -98,7 +108,7 @@ def _column(demo: Demo, key: str, env_name: str, quaternions: Quaternions) -> Co
             found=found or "none", expected=key if there else f"{key}; {EXTRACT}",
         )  # fmt: skip
     size = int(np.prod(there[key]))
-    parts = OBJECT_PARTS.get(env_name, ()) if key == "object" else ()
+    parts = object_parts(env_args) if key == "object" else ()
     named = tuple(f"{part}.{axis}" for part, axes in parts for axis in axes)
     if len(named) == size:
         return Column(key, named)
@@ -112,17 +122,19 @@ def _column(demo: Demo, key: str, env_name: str, quaternions: Quaternions) -> Co
     return Column(key, (key,) if size == 1 else tuple(f"{key}.{i}" for i in range(size)))
 
 
-def action_names(env_args: dict[str, Any], key: str, size: int) -> tuple[str, ...]:
+def action_names(env_args: Mapping[str, Any], key: str, size: int) -> tuple[str, ...]:
     """Names of an action's dimensions: this project's for OSC_POSE deltas, else numbers."""
     if key == "actions" and size == len(ACTION_NAMES) and _is_osc_pose_delta(env_args):
         return ACTION_NAMES
     return tuple(f"action.{i}" for i in range(size))
 
 
-def _is_osc_pose_delta(env_args: dict[str, Any]) -> bool:
+def _is_osc_pose_delta(env_args: Mapping[str, Any]) -> bool:
     """robosuite up to 1.4 has one controller, from 1.5 on one for each part of the body."""
-    whole = env_args.get("env_kwargs", {}).get("controller_configs") or {}
-    whole = whole[0] if isinstance(whole, list) else whole
+    whole = env_args.get("env_kwargs", {}).get("controller_configs")
+    whole = whole[0] if isinstance(whole, list) and whole else whole
+    if not isinstance(whole, Mapping):
+        return False
     arm = whole.get("body_parts", {}).get("right", whole)
     delta = arm.get("control_delta", arm.get("input_type", "delta") == "delta")
     return arm.get("type") == "OSC_POSE" and bool(delta)

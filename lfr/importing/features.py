@@ -83,12 +83,11 @@ class Layout:
         Raises:
             DataError: something that was chosen is not there.
         """
-        env_name = source.env_args.get("env_name", "")
         there = demo.observations
         joints = (JOINTS,) if JOINTS in there and JOINTS not in choice.state else ()
         keys = {STATE: choice.state, ENVIRONMENT_STATE: choice.environment, JOINT_POSITION: joints}
         parts = {
-            feature: columns(demo, chosen, env_name, choice.quaternions)
+            feature: columns(demo, chosen, source.env_args, choice.quaternions)
             for feature, chosen in keys.items()
             if chosen
         }

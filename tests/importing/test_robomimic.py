@@ -13,7 +13,7 @@ from lfr.artifacts import read_json
 from lfr.cli import main
 from lfr.data.windows import read_dataset
 from lfr.errors import DataError, LfrError, MissingLibraryError, ParameterError
-from lfr.importing.columns import OBJECT_PARTS, action_names
+from lfr.importing.columns import action_names, object_parts
 from lfr.importing.dataset import About, import_robomimic
 from lfr.importing.features import Choice
 
@@ -268,23 +268,33 @@ def test_actions_of_both_robosuites() -> None:
     for env_args in (made_up.ENV_ARGS, newer):
         assert action_names(env_args, "actions", 7)[0] == "dx"
         assert action_names(env_args, "actions_abs", 7)[0] == "action.0"
+    assert action_names({"env_kwargs": {"controller_configs": "osc.json"}}, "actions", 7)[0] != "dx"
     parts["right"]["input_type"] = "absolute"
     assert action_names(newer, "actions", 7)[0] == "action.0"
 
 
-@pytest.mark.parametrize("env_name", sorted(OBJECT_PARTS))
+@pytest.mark.parametrize("env_name", ["Lift", "PickPlaceCan", "NutAssemblySquare"])
 def test_the_parts_of_object_are_robosuites(env_name: str) -> None:
     """Stock robosuite says which observables make up `object-state`, and in which order."""
-    from robosuite import make
+    import robosuite
 
-    env = make(
+    env = robosuite.make(
         env_name, robots="Panda", has_renderer=False, has_offscreen_renderer=False,
         use_camera_obs=False,
     )  # fmt: skip
     active = [o for o in env._observables.values() if o.modality == "object" and o.is_active()]
     env.close()
     sizes = [(o.name, int(np.prod(o._data_shape))) for o in active]
-    assert [(name, len(axes)) for name, axes in OBJECT_PARTS[env_name]] == sizes
+    args = {"env_name": env_name, "env_version": robosuite.__version__}
+    assert [(name, len(axes)) for name, axes in object_parts(args)] == sizes
+
+
+def test_the_parts_of_object_depend_on_robosuites_version() -> None:
+    """Up to 1.4: `[obj_pos, obj_quat, obj_to_eef_pos, obj_to_eef_quat]`."""
+    can = {"env_name": "PickPlaceCan", "env_version": "1.4.1"}
+    assert [name for name, _ in object_parts(can)][:2] == ["Can_pos", "Can_quat"]
+    assert object_parts({"env_name": "PickPlaceCan"}) == ()
+    assert object_parts({"env_name": "ToolHang", "env_version": "1.4.1"}) == ()
 
 
 def test_without_h5py(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
