@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from lfr.artifacts import write_whole
 from lfr.errors import DataError
 from lfr.view import series
 from lfr.view.beside_layout import Side, beside_blueprint
@@ -41,7 +40,7 @@ def save_beside(out: Path, left: Path, right: Path, *, at: float | None = None) 
     """Write the recordings of two `.rrd` files as one, with a layout of two halves.
 
     Args:
-        out: the file, written whole.
+        out: the file.
         left, right: files of one recording each, on the timelines `time` and `frame`.
         at: s; the viewer stands there instead of playing.
 
@@ -55,8 +54,8 @@ def save_beside(out: Path, left: Path, right: Path, *, at: float | None = None) 
     blueprint = beside_blueprint(*sides)
     arrange(blueprint, choice=False, at=at)
     title = " | ".join(side.title for side in sides)
-    with write_whole(out) as whole, rr.RecordingStream(title) as stream:
-        stream.save(whole, default_blueprint=blueprint)
+    with rr.RecordingStream(title) as stream:
+        stream.save(out, default_blueprint=blueprint)
         stream.send_recording_name(title)
         for root, recording in both.items():
             stream.send_chunks(

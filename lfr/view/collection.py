@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lfr.artifacts import write_whole
 from lfr.data.episode import FPS, Episode
 from lfr.errors import DataError
 from lfr.view.blueprint import EpisodeLayout, episode_blueprint
@@ -58,6 +57,13 @@ class Overlay:
 PLAIN = Overlay(episode_blueprint, lambda recording, episode, poses: None)
 
 
+def is_collection(path: Path) -> bool:
+    """Whether there are episodes at `path`."""
+    if path.is_file():
+        return path.suffix == ".mcap"
+    return is_dataset(path) or any(path.glob("*.mcap"))
+
+
 def collection_of(path: Path) -> Collection | None:
     """The episodes at `path`, or None where there is neither a dataset nor a log.
 
@@ -68,12 +74,12 @@ def collection_of(path: Path) -> Collection | None:
     from lfr.view.listing import dataset_entries, log_entries
 
     name = path.resolve().name
+    if not is_collection(path):
+        return None
     if path.is_dir() and is_dataset(path):
         fps = read_json(path / "meta" / "info.json")["fps"]
         return Collection(name, fps, partial(dataset_entries, path), partial(_of_dataset, path))
-    logs = [path] if path.suffix == ".mcap" and path.is_file() else sorted(path.glob("*.mcap"))
-    if not logs:
-        return None
+    logs = [path] if path.is_file() else sorted(path.glob("*.mcap"))
     return Collection(name, FPS, partial(log_entries, logs), partial(_of_logs, logs, path))
 
 
@@ -90,7 +96,7 @@ def save_episodes(
     Args:
         collection: where they are.
         numbers: of the episodes.
-        folder: that gets `episode-<number>.rrd`, whole.
+        folder: a temporary one, that gets `episode-<number>.rrd`.
         overlay: what is shown beside them.
         at: s; the viewer stands there instead of playing.
 
@@ -99,6 +105,7 @@ def save_episodes(
     """
     import rerun as rr
 
+    folder.mkdir(parents=True, exist_ok=True)
     episodes = [collection.read(number) for number in numbers]
     layout = shared_layout(episodes)
     files = []
@@ -107,11 +114,10 @@ def save_episodes(
         arrange(blueprint, choice=len(numbers) > 1, at=at)
         file = folder / f"episode-{number:06d}.rrd"
         # The identity is the episode's, so that one sent to a viewer twice is there once.
-        with (
-            write_whole(file) as whole,
-            rr.RecordingStream(collection.name, recording_id=f"episode-{number}") as recording,
-        ):
-            recording.save(whole, default_blueprint=blueprint)
+        with rr.RecordingStream(
+            collection.name, recording_id=f"episode-{number}"
+        ) as recording:
+            recording.save(file, default_blueprint=blueprint)
             log_episode(recording, episode, poses, listed_name(number, episode))
             overlay.log(recording, episode, poses)
             recording.flush()

@@ -147,7 +147,7 @@ def _run(path: Path, folder: Path, seed: int | None) -> Shown:
     if not any(file.name == "learning.rrd" for file in found):
         found += [_curve(file, folder) for file in curves[:1]]
     if (path / "model.safetensors").is_file() and (path / "config.json").is_file():
-        found.append(_policy(path, folder, seed))
+        found.insert(0, _policy(path, folder, seed))  # the viewer turns to the first
     if not found:
         raise LfrError(f"cannot view {path}: found nothing of a dataset, a log or a run; "
                        f"expected {VALID}")  # fmt: skip
