@@ -114,9 +114,7 @@ def save_episodes(
         arrange(blueprint, choice=len(numbers) > 1, at=at)
         file = folder / f"episode-{number:06d}.rrd"
         # The identity is the episode's, so that one sent to a viewer twice is there once.
-        with rr.RecordingStream(
-            collection.name, recording_id=f"episode-{number}"
-        ) as recording:
+        with rr.RecordingStream(collection.name, recording_id=f"episode-{number}") as recording:
             recording.save(file, default_blueprint=blueprint)
             log_episode(recording, episode, poses, listed_name(number, episode))
             overlay.log(recording, episode, poses)

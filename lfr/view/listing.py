@@ -32,15 +32,16 @@ def dataset_entries(path: Path) -> list[Entry]:
     files = DatasetFiles.open(path)
     rows = files.episodes
     numbers = rows[EPISODE].to_numpy()
+    lengths = rows["length"].to_pylist()
     known = {
         name: rows[name].to_pylist() if name in rows.column_names else [None] * len(numbers)
-        for name in ("length", "success", "seed")
+        for name in ("success", "seed")
     }
     rewards, successes = _per_episode(files, numbers)
     entries = [
         Entry(
             index=int(number),
-            length=int(known["length"][row]),
+            length=lengths[row],
             success=successes[row] if known["success"][row] is None else known["success"][row],
             reward=rewards[row],
             seed=known["seed"][row],

@@ -7,7 +7,7 @@ writes the file anew; `rerun episode-000000.mcap log.rbl` opens a log with it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -35,7 +35,7 @@ class Plot:
         name: of the view.
         topic: that the messages are on.
         schema: of the messages.
-        fields: selector -> name in the legend.
+        fields: selector -> name in the legend, or names where it selects several numbers.
         span: of the vertical axis, where it is known.
         colors: of the curves.
     """
@@ -43,7 +43,7 @@ class Plot:
     name: str
     topic: str
     schema: str
-    fields: dict[str, str]
+    fields: Mapping[str, str | tuple[str, ...]]
     span: tuple[float, float] | None = None
     colors: Sequence[Color] = series.PALETTE
 
@@ -64,7 +64,7 @@ PLOTS = (
     Plot("Success", "/success", "lfr.Success", {".success": "success"}, (-0.05, 1.05),
          (series.GREEN,)),
     Plot("Joints (rad)", "/joint_states", "foxglove.JointStates",
-         {".joints[].position": "joint"}),
+         {".joints[].position": tuple(f"joint {number}" for number in range(7))}),
 )  # fmt: skip
 """What every log has; the objects' names differ from task to task."""
 
@@ -98,8 +98,14 @@ def _view(plot: Plot) -> rrb.View:
     import rerun.blueprint as rrb
     from rerun.blueprint.datatypes import ComponentSourceKind, VisualizerComponentMapping
 
+    def style(place: int, names: str | tuple[str, ...]) -> rr.SeriesLines:
+        """Colours in their order, over the fields or over the numbers that one field selects."""
+        every = (names,) if isinstance(names, str) else names
+        colors = [plot.colors[(place + k) % len(plot.colors)] for k in range(len(every))]
+        return rr.SeriesLines(names=list(every), colors=colors)
+
     curves = [
-        rr.SeriesLines(names=name, colors=plot.colors[k % len(plot.colors)]).visualizer(
+        style(k, name).visualizer(
             mappings=[
                 VisualizerComponentMapping(
                     "Scalars:scalars",

@@ -98,7 +98,7 @@ def test_what_is_carried_is_a_least_squares_factor() -> None:
 
 
 def test_models_of_others_are_refused(models: Path, recorded: Recorded, tmp_path: Path) -> None:
-    with pytest.raises(LfrError, match="no prior of 'stack'.*lift"):
+    with pytest.raises(LfrError, match=r"no prior of 'stack'.*lift"):
         load_skill_models(models, "stack")
     with pytest.raises(DataError, match="no skill models"):
         load_skill_models(tmp_path, "lift")
