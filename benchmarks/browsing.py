@@ -97,9 +97,7 @@ def multiplied(dataset: Path, out: Path, episodes: int) -> Path:
         "dataset_from_index": frames.num_rows,
         "dataset_to_index": frames.num_rows,
     }, episodes)  # fmt: skip
-    _write(
-        out / "data", frames, times, {"episode_index": rows.num_rows, "index": frames.num_rows}
-    )
+    _write(out / "data", frames, times, {"episode_index": rows.num_rows, "index": frames.num_rows})
     info |= {"features": features, "total_episodes": episodes, "splits": {"train": f"0:{episodes}"}}
     write_json(out / "meta" / "info.json", info)
     return out

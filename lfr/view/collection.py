@@ -38,12 +38,14 @@ class Collection:
         fps: frames per second.
         entries: what is known of each, without opening it.
         read: episode `n` with the poses of its bodies; raises DataError where there is none.
+        several: there is a next one to step to; a log alone has none.
     """
 
     name: str
     fps: float
     entries: Callable[[], list[Entry]]
     read: Callable[[int], tuple[Episode, Poses]]
+    several: bool = True
 
 
 @dataclass(frozen=True)
@@ -80,7 +82,8 @@ def collection_of(path: Path) -> Collection | None:
         fps = read_json(path / "meta" / "info.json")["fps"]
         return Collection(name, fps, partial(dataset_entries, path), partial(_of_dataset, path))
     logs = [path] if path.is_file() else sorted(path.glob("*.mcap"))
-    return Collection(name, FPS, partial(log_entries, logs), partial(_of_logs, logs, path))
+    entries, read = partial(log_entries, logs), partial(_of_logs, logs, path)
+    return Collection(name, FPS, entries, read, several=not path.is_file())
 
 
 def save_episodes(

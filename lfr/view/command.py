@@ -6,6 +6,7 @@ import argparse
 import shutil
 import sys
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -152,14 +153,19 @@ def _attend(viewer: Viewer, shown: Shown, folder: Path, wanted: Wanted) -> None:
     collection = shown.collection
     if shown.run is not None:
         add_recordings(viewer, shown.run, shown.files)
-    elif collection is not None and sys.stdin is not None and sys.stdin.isatty():
-        every = Selection(order=wanted.selection.order) if wanted.selection else Selection()
+    elif collection is not None and collection.several and _is_terminal():
+        # Next is the next that was asked for: of the failed ones, of the longest first.
+        like = replace(wanted.selection or Selection(), episodes=None, first=None)
         step_through(
             viewer,
-            lambda: [entry.index for entry in every.apply(collection.entries())],
+            lambda: [entry.index for entry in like.apply(collection.entries())],
             shown.numbers[0],
             lambda number: make_episodes(collection, [number], folder, wanted)[0],
         )
+
+
+def _is_terminal() -> bool:
+    return sys.stdin is not None and sys.stdin.isatty()
 
 
 def _wanted(arguments: argparse.Namespace) -> Wanted:

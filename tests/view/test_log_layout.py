@@ -1,5 +1,6 @@
 """The committed layout of raw logs: current, and of topics and fields that rerun finds in one."""
 
+import re
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,9 @@ from lfr.view.viewer import executable
 from .conftest import Recorded
 
 
+IDENTITY = re.compile(r"[0-9a-f]{8}-[0-9a-f]{4}-|\[16\]")  # a UUID, as a path or as bytes
+
+
 def contents(path: Path) -> list[str]:
     """What a blueprint holds, without the identities that each making draws anew."""
     found = []
@@ -21,8 +25,9 @@ def contents(path: Path) -> list[str]:
     for chunk in reader.stream(store=reader.blueprints()[0]).to_chunks():
         batch = chunk.to_record_batch()
         for name in batch.schema.names:
-            if ":" in name and not pa.types.is_list(batch.schema.field(name).type.value_type):
-                found.append(f"{name} {batch.column(name).to_pylist()}")
+            row = f"{name} {batch.column(name).to_pylist()}"
+            if ":" in name and not IDENTITY.search(f"{row} {batch.schema.field(name).type}"):
+                found.append(row)
     return sorted(found)
 
 
