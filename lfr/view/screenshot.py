@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import subprocess
 import tempfile
+import threading
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -14,8 +16,10 @@ from lfr.errors import LfrError
 from lfr.view.viewer import ADDRESS, DATA_PORT, executable, free_port
 
 SIZE = (1600, 1000)
-LOADING, PATIENCE = 3.0, 20.0
+LOADING, PATIENCE = 3.0, 120.0
 """s; a picture is taken no sooner and no later than this after the viewer has started."""
+ANSWER = 20.0
+"""s; a frame that the graphics driver does not finish in time is never answered (rerun 0.33)."""
 
 NO_DRIVER = (
     "cannot draw here: rerun needs a Vulkan driver, of a GPU or mesa-vulkan-drivers "
@@ -64,25 +68,16 @@ def _watch(
     process: subprocess.Popen[bytes], port: int, folder: Path, messages: Path, still: bool
 ) -> bytes:
     """Picture after picture until nothing changes any more."""
-    from rerun.experimental import ViewerClient
-
     begun, before, number = time.monotonic(), b"", 0
-    client = None
-    while (passed := time.monotonic() - begun) < PATIENCE:
+    while (left := begun + PATIENCE - time.monotonic()) > 0:
         if process.poll() is not None:
             raise LfrError(_reason(messages))
         time.sleep(0.5)
-        if passed < LOADING:
+        if left > PATIENCE - LOADING:
             continue
-        client = client or ViewerClient(f"rerun+http://{ADDRESS}:{port}/proxy")
         number += 1
         file = folder / f"{number}.png"
-        try:
-            client.save_screenshot(str(file))
-        except Exception as error:  # rerun raises what its gRPC client does
-            if process.poll() is None:
-                raise LfrError(f"the rerun viewer took no picture: {error}") from error
-            continue
+        _ask(port, file, min(left, ANSWER))
         content = _whole_png(file)
         if content and (content == before or not still):
             return content
@@ -90,6 +85,20 @@ def _watch(
     if before:
         return before
     raise LfrError(f"the rerun viewer drew nothing within {PATIENCE:.0f} s")
+
+
+def _ask(port: int, file: Path, seconds: float) -> None:
+    """Ask the viewer for a picture, and wait so long for it."""
+    from rerun.experimental import ViewerClient
+
+    def ask() -> None:
+        # While the viewer starts, and when it ends, rerun raises what its connection does.
+        with contextlib.suppress(Exception):
+            ViewerClient(f"rerun+http://{ADDRESS}:{port}/proxy").save_screenshot(str(file))
+
+    asking = threading.Thread(target=ask, daemon=True)
+    asking.start()
+    asking.join(seconds)
 
 
 def _whole_png(file: Path) -> bytes:

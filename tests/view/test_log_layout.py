@@ -14,7 +14,6 @@ from lfr.view.viewer import executable
 
 from .conftest import Recorded
 
-
 IDENTITY = re.compile(r"[0-9a-f]{8}-[0-9a-f]{4}-|\[16\]")  # a UUID, as a path or as bytes
 
 
