@@ -148,7 +148,6 @@ def shared_layout(episodes: Sequence[tuple[Episode, Poses]]) -> EpisodeLayout:
 
 def arrange(blueprint: rrb.Blueprint, *, choice: bool, at: float | None) -> None:
     """Open the list of recordings where there is a choice; stand still at `at` (s) if given."""
-    import rerun as rr
     import rerun.blueprint as rrb
 
     if choice:
@@ -161,7 +160,7 @@ def arrange(blueprint: rrb.Blueprint, *, choice: bool, at: float | None) -> None
             timeline="time",
             loop_mode="Selection",
             play_state="Playing",
-            time_selection=rr.datatypes.AbsoluteTimeRange(moment, moment),
+            time_selection=rrb.components.AbsoluteTimeRange(moment, moment),
         )
 
 

@@ -113,7 +113,7 @@ def _per_episode(
 
     def summed(key: str) -> NDArray[np.float64]:
         flat = np.asarray(tables.values(rows, key), np.float64).reshape(len(owner), -1)[:, 0]
-        return np.bincount(place[owner], flat, len(numbers) + 1)
+        return np.bincount(place[owner], flat, len(numbers) + 1).astype(np.float64)
 
     if REWARD in columns:
         rewards = [float(total) for total in summed(REWARD)[: len(numbers)]]

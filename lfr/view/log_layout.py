@@ -118,7 +118,7 @@ def _view(plot: Plot) -> rrb.View:
         for k, (selector, name) in enumerate(plot.fields.items())
     ]
     whole = rr.TimeRange(rr.TimeRangeBoundary.infinite(), rr.TimeRangeBoundary.infinite())
-    overrides: dict[str, Any] = {plot.topic: curves}
+    overrides: dict[Any, Any] = {plot.topic: curves}
     return rrb.TimeSeriesView(
         origin="/",
         contents=[plot.topic],

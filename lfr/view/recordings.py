@@ -110,6 +110,8 @@ def existing(path: Path) -> Path:
 def _episodes(collection: Collection, path: Path, folder: Path, wanted: Wanted) -> Shown:
     if wanted.selection is None:
         numbers = [0]
+    elif (number := wanted.selection.number) is not None:
+        numbers = [number]
     else:
         every = collection.entries()
         numbers = [entry.index for entry in wanted.selection.apply(every)]

@@ -102,6 +102,13 @@ class Selection:
         kept.sort(key=self._key)
         return kept[: self.first]
 
+    @property
+    def number(self) -> int | None:
+        """The one episode that is chosen by its number alone, so that no list need be read."""
+        if self.episodes is None or self != Selection(episodes=self.episodes):
+            return None
+        return int(self.episodes.text) if self.episodes.text.isdecimal() else None
+
     def _key(self, entry: Entry) -> tuple[bool, float, int]:
         value = entry.index if self.order == "episode" else getattr(entry, self.order)
         falling = (self.order in ("length", "reward")) != self.reverse

@@ -58,6 +58,14 @@ def test_order() -> None:
     assert kept(order="length", first=2) == [1, 2]
 
 
+def test_one_number_needs_no_list() -> None:
+    one = Ranges.parse("7")
+    assert Selection(episodes=one).number == 7
+    assert Selection(episodes=one, success=True).number is None
+    assert Selection(episodes=Ranges.parse("7-8")).number is None
+    assert Selection().number is None
+
+
 def test_a_number_that_is_not_there() -> None:
     with pytest.raises(LfrError, match="no episode 9; expected 0 to 3"):
         kept(episodes=Ranges.parse("2-9"))
