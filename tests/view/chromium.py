@@ -45,7 +45,7 @@ def look(
     *,
     profile: Path,
     size: tuple[int, int] = (1280, 800),
-    patience: float = 120.0,
+    patience: float = 300.0,
 ) -> bytes:
     """A PNG of the page, taken again and again until it is as wanted or `patience` (s) is over.
 
@@ -56,6 +56,9 @@ def look(
         profile: an empty folder that the browser may write to.
         size: of the window, in pixels.
         patience: s; the last picture is returned after that.
+
+    Raises:
+        TimeoutError: the browser gave no picture in that time.
     """
     window = f"--window-size={size[0]},{size[1]}"
     command = [program, *FLAGS, window, f"--user-data-dir={profile}", url]
@@ -88,7 +91,8 @@ async def _look(port: int, until: Callable[[bytes], bool], deadline: float) -> b
             await asyncio.sleep(1.0)
             request = {"id": 1, "method": "Page.captureScreenshot", "params": {"format": "png"}}
             await socket.send_json(request)
-            answer = await socket.receive_json()
+            left = max(deadline - time.monotonic(), 1.0)
+            answer = await asyncio.wait_for(socket.receive_json(), left)
             picture = base64.b64decode(answer["result"]["data"])
             if until(picture) or time.monotonic() > deadline:
                 return picture

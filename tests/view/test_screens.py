@@ -7,14 +7,18 @@ import io
 import re
 import subprocess
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+import rerun.blueprint as rrb
 from PIL import Image
 
 from lfr.cli import main
 from lfr.errors import LfrError
+from lfr.view.blueprint import EpisodeLayout, episode_blueprint
+from lfr.view.collection import PLAIN, collection_of, save_episodes
 from lfr.view.screenshot import NO_DRIVER, take_screenshot
 from lfr.view.viewer import viewer_command
 
@@ -60,13 +64,21 @@ def test_without_a_driver_it_says_what_to_install(
     assert not (tmp_path / "none.png").exists()
 
 
+def paused(layout: EpisodeLayout) -> rrb.Blueprint:
+    """A browser that draws on the processor falls behind what plays."""
+    blueprint = episode_blueprint(layout)
+    blueprint.time_panel = rrb.TimePanel(state="collapsed", timeline="time", play_state="Paused")
+    return blueprint
+
+
 @pytest.mark.slow
 def test_a_browser_shows_what_is_served(recorded: Recorded, tmp_path: Path) -> None:
     program = chromium.chromium()
     if program is None:
         pytest.skip("no Chromium here: apt-get install chromium-headless-shell")
-    still = tmp_path / "still.rrd"  # a browser that draws on the processor falls behind what plays
-    assert main(["view", str(recorded.log), "--at", "0.4", "--save", str(still)]) == 0
+    collection = collection_of(recorded.log)
+    assert collection is not None
+    (still,) = save_episodes(collection, [0], tmp_path, overlay=replace(PLAIN, blueprint=paused))
     command = viewer_command([still], web=True)
     data, page = (command[command.index(flag) + 1] for flag in ("--port", "--web-viewer-port"))
     url = f"http://127.0.0.1:{page}?url=rerun%2Bhttp%3A%2F%2F127.0.0.1%3A{data}%2Fproxy"
