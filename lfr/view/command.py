@@ -1,33 +1,73 @@
-"""`lfr view PATH`: open an episode, a policy, a learning run or a recording in rerun."""
+"""`lfr view PATH`: episodes, a policy, a learning run or a recording, listed or opened in rerun."""
 
 from __future__ import annotations
 
 import argparse
 import shutil
+import sys
 import tempfile
-from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from lfr.errors import DataError, LfrError
+from lfr.errors import LfrError
+from lfr.view.recordings import MOST, VALID, Shown, Wanted, existing, make_episodes, recordings
+from lfr.view.selection import ORDERS, Ranges, Selection
 
-VALID = (
-    "an MCAP log (.mcap) or a folder of logs, a LeRobot dataset folder, a trained policy's folder, "
-    "a run's curve (.json, .csv), a recording (.rrd) or a folder of them"
-)
+if TYPE_CHECKING:
+    from lfr.view.viewer import Viewer
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The arguments of `lfr view`."""
     parser.add_argument("path", type=Path, help=VALID)
-    parser.add_argument(
-        "--episode", type=int, default=0, help="of a dataset or a folder of logs (default 0)"
+    parser.add_argument("--list", action="store_true", help="print the episodes, open nothing")
+
+    chosen = parser.add_argument_group("which episodes, of a dataset or a folder of logs")
+    chosen.add_argument(
+        "--episode", "--episodes", dest="episodes", type=_ranges, metavar="N",
+        help="by number, as in 3 or 3,5-9 (default: the first)",
+    )  # fmt: skip
+    chosen.add_argument(
+        "--seed", type=_ranges, metavar="N",
+        help="by seed, likewise; of a policy, its start (default: a held-out one)",
+    )  # fmt: skip
+    chosen.add_argument(
+        "--length", type=_ranges, metavar="N", help="by frames, as in 40-80 or 120-"
     )
-    parser.add_argument(
-        "--seed", type=int, help="start of a policy's episode (default: a held-out one)"
+    outcome = chosen.add_mutually_exclusive_group()
+    outcome.add_argument("--failed", action="store_true", help="those without success")
+    outcome.add_argument("--succeeded", action="store_true", help="those with success")
+    chosen.add_argument(
+        "--sort", choices=ORDERS, help="longest, highest reward, or lowest number or seed first"
     )
-    parser.add_argument("--save", type=Path, metavar="FILE.rrd", help="write a file, open nothing")
-    parser.add_argument("--web", action="store_true", help="serve the viewer to a browser")
-    parser.add_argument(
+    chosen.add_argument("--reverse", action="store_true", help="turn the order round")
+    chosen.add_argument(
+        "--first", type=_count, metavar="N", help=f"so many of them (default: {MOST} to open)"
+    )
+
+    shown = parser.add_argument_group("what is shown")
+    shown.add_argument(
+        "--beside", metavar="PATH[:N]",
+        help="side by side with another: an episode of a dataset or log (default: of the same "
+        "seed), a policy or a recording; N alone is another of this dataset",
+    )  # fmt: skip
+    shown.add_argument(
+        "--skills", type=Path, metavar="FOLDER",
+        help="of a transfer (models/skills/s1-panda-lift): each window's latent, priors and G",
+    )  # fmt: skip
+    shown.add_argument(
+        "--mapping", type=Path, metavar="FOLDER", help="of its G (default: as the skills')"
+    )
+    shown.add_argument("--at", type=float, metavar="SECONDS", help="stand there, do not play")
+
+    where = parser.add_argument_group("where")
+    target = where.add_mutually_exclusive_group()
+    target.add_argument("--save", type=Path, metavar="FILE.rrd", help="write it, open nothing")
+    target.add_argument("--screenshot", type=Path, metavar="FILE.png", help="write a picture")
+    target.add_argument("--web", action="store_true", help="serve the viewer to a browser")
+    where.add_argument("--size", type=_size, metavar="WxH", help="of the picture, in pixels")
+    where.add_argument(
         "--bind", default="127.0.0.1", help="address to listen on (default: this machine alone)"
     )
 
@@ -38,123 +78,155 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         LfrError: a path that cannot be viewed, or no screen to view it on.
     """
-    from lfr.artifacts import write_whole
-    from lfr.view.viewer import has_screen, merge, show
+    if arguments.list:
+        return _list(arguments)
+    from lfr.view.viewer import has_screen, show
 
-    path, save = arguments.path, arguments.save
-    if save is not None and save.suffix != ".rrd":
-        raise LfrError(f"--save writes rerun recordings: found {save}, expected a name in .rrd")
-    if save is None and not arguments.web and not has_screen():
+    _check_names(arguments)
+    opens = arguments.save is None and arguments.screenshot is None
+    if opens and not arguments.web and not has_screen():
         show([], web=False)  # says so before anything is built
-    with tempfile.TemporaryDirectory(prefix="lfr-view-") as folder:
-        files = recordings(path, Path(folder), arguments.episode, arguments.seed)
-        if save is None:
-            live = any(file.suffix == ".rrd" and file.parent != Path(folder) for file in files)
-            show(files, web=arguments.web, address=arguments.bind, follow=live)
-            return 0
-        with write_whole(save) as partial:
-            if len(files) == 1:
-                shutil.copyfile(files[0], partial)
-            else:
-                merge(files, partial)
-    print(save)
+    with tempfile.TemporaryDirectory(prefix="lfr-view-") as name:
+        folder, wanted = Path(name), _wanted(arguments)
+        if arguments.beside is not None:
+            shown = _beside(arguments, folder, wanted)
+        else:
+            shown = recordings(arguments.path, folder, wanted)
+        if not opens:
+            return _write(arguments, shown)
+        live = any(folder not in file.parents for file in shown.files)
+        show(
+            shown.files, web=arguments.web, address=arguments.bind, follow=live,
+            attend=lambda viewer: _attend(viewer, shown, folder, wanted),
+        )  # fmt: skip
     return 0
 
 
-def recordings(path: Path, folder: Path, episode: int = 0, seed: int | None = None) -> list[Path]:
-    """The `.rrd` files that show what is at `path`, made in `folder` where there are none yet.
+def _list(arguments: argparse.Namespace) -> int:
+    from lfr.view.collection import collection_of
+    from lfr.view.listing import table
 
-    Raises:
-        LfrError: nothing that can be viewed.
-    """
-    from lfr.view.dataset import is_dataset
-
-    if not path.exists():
-        raise LfrError(f"cannot view {path}: it does not exist; expected {VALID}")
-    if path.is_file():
-        makers: dict[str, Callable[[], list[Path]]] = {
-            ".rrd": lambda: [path],
-            ".mcap": lambda: [_log(path, folder)],
-            ".json": lambda: [_curve(path, folder)],
-            ".csv": lambda: [_curve(path, folder)],
-        }
-        if path.suffix not in makers:
-            raise LfrError(f"cannot view {path}: found a {path.suffix or 'plain'} file; "
-                           f"expected {VALID}")  # fmt: skip
-        return makers[path.suffix]()
-    if is_dataset(path):
-        return [_dataset_episode(path, episode, folder)]
-    if list(path.glob("*.mcap")):
-        from lfr.data.log_reader import list_logs
-
-        logs = list_logs(path)
-        if not 0 <= episode < len(logs):
-            raise DataError("no such episode", file=path, episode=episode,
-                            expected=f"0 to {len(logs) - 1}")  # fmt: skip
-        return [_log(logs[episode], folder)]
-    return _run(path, folder, seed)
+    path = existing(arguments.path)
+    collection = collection_of(path)
+    if collection is None:
+        raise LfrError(f"{path} has no episodes to list; expected a dataset or logs")
+    entries = collection.entries()
+    kept = (_selection(arguments) or Selection()).apply(entries)
+    try:
+        print(table(kept, len(entries), collection.fps), flush=True)
+    except BrokenPipeError:  # `| head` has seen enough
+        sys.stderr.close()
+    return 0
 
 
-def _run(path: Path, folder: Path, seed: int | None) -> list[Path]:
-    """A learning run's curve, the recordings it left, and an episode of its policy."""
-    found = sorted(path.rglob("*.rrd"))
-    curves = [file for file in sorted(path.rglob("curve.*")) if file.suffix in (".json", ".csv")]
-    if not any(file.name == "learning.rrd" for file in found):
-        found += [_curve(file, folder) for file in curves[:1]]
-    if (path / "model.safetensors").is_file() and (path / "config.json").is_file():
-        found.append(_policy(path, folder, seed))
-    if not found:
-        raise LfrError(f"cannot view {path}: found nothing of a dataset, a log or a run; "
-                       f"expected {VALID}")  # fmt: skip
-    return found
+def _write(arguments: argparse.Namespace, shown: Shown) -> int:
+    from lfr.artifacts import write_whole
+    from lfr.view.screenshot import SIZE, take_screenshot
+    from lfr.view.viewer import merge
+
+    if arguments.screenshot is not None:
+        size = arguments.size or SIZE
+        take_screenshot(shown.files, arguments.screenshot, size, shown.still)
+        print(arguments.screenshot)
+        return 0
+    with write_whole(arguments.save) as partial:
+        if len(shown.files) == 1:
+            shutil.copyfile(shown.files[0], partial)
+        else:
+            merge(shown.files, partial)
+    print(arguments.save)
+    return 0
 
 
-def _log(path: Path, folder: Path) -> Path:
-    from lfr.data.log_reader import read_log
-    from lfr.view.episode import save_episode
-    from lfr.view.motion import poses_of
+def _beside(arguments: argparse.Namespace, folder: Path, wanted: Wanted) -> Shown:
+    from lfr.view.pairing import save_pair
 
-    episode = read_log(path)
-    out = folder / f"{path.stem}.rrd"
-    save_episode(out, episode, poses_of(episode, path))
-    return out
+    out = folder / "beside.rrd"
+    save_pair(out, arguments.path, arguments.beside, folder, wanted)
+    return Shown([out], still=wanted.at is not None)
 
 
-def _dataset_episode(path: Path, index: int, folder: Path) -> Path:
-    from lfr.view.dataset import find_log, read_episode
-    from lfr.view.episode import save_episode
-    from lfr.view.motion import poses_of
+def _attend(viewer: Viewer, shown: Shown, folder: Path, wanted: Wanted) -> None:
+    """What is done while the viewer is open."""
+    from lfr.view.attendance import add_recordings, step_through
 
-    episode = read_episode(path, index)
-    out = folder / f"episode-{index:06d}.rrd"
-    save_episode(out, episode, poses_of(episode, find_log(path, episode)))
-    return out
-
-
-def _curve(path: Path, folder: Path) -> Path:
-    from lfr.view.curve import read_curve, save_learning
-
-    out = folder / "learning.rrd"
-    place = path.resolve()
-    title = place.parent.name if place.stem == "curve" else place.stem
-    save_learning(out, read_curve(path), title=title)
-    return out
+    collection = shown.collection
+    if shown.run is not None:
+        add_recordings(viewer, shown.run, shown.files)
+    elif collection is not None and collection.several and _is_terminal():
+        # Next is the next that was asked for: of the failed ones, of the longest first.
+        like = replace(wanted.selection or Selection(), episodes=None, first=None)
+        step_through(
+            viewer,
+            lambda: [entry.index for entry in like.apply(collection.entries())],
+            shown.numbers[0],
+            lambda number: make_episodes(collection, [number], folder, wanted)[0],
+        )
 
 
-def _policy(path: Path, folder: Path, seed: int | None) -> Path:
-    from lfr.seeds import episode_seed
-    from lfr.sim.simulation import simulation
-    from lfr.transfer.model import load_policy
-    from lfr.view.policy import save_policy_episode
-    from lfr.view.rollout import roll_out_policy
+def _is_terminal() -> bool:
+    return sys.stdin is not None and sys.stdin.isatty()
 
-    actor, about = load_policy(path)
-    for key in ("robot", "task"):
-        if key not in about:
-            raise DataError("a policy that does not say its arm and task",
-                            file=path / "config.json", column=f"about.{key}")  # fmt: skip
-    start = episode_seed("held-out", 0) if seed is None else seed
-    episode, trace = roll_out_policy(actor, simulation(about["robot"], about["task"]), start)
-    out = folder / f"policy-seed-{start}.rrd"
-    save_policy_episode(out, episode, trace)
-    return out
+
+def _wanted(arguments: argparse.Namespace) -> Wanted:
+    """A seed chooses among episodes where there are any, and is a policy's start elsewhere."""
+    from lfr.view.collection import is_collection
+
+    if is_collection(existing(arguments.path)):
+        selection, seed = _selection(arguments), None
+    else:
+        without = argparse.Namespace(**{**vars(arguments), "seed": None})
+        selection, seed = _selection(without), _start(arguments.seed)
+    at = arguments.at
+    return Wanted(selection, seed, arguments.skills, arguments.mapping, at)
+
+
+def _selection(arguments: argparse.Namespace) -> Selection | None:
+    """What the arguments choose; None where they choose nothing."""
+    selection = Selection(
+        episodes=arguments.episodes,
+        seeds=arguments.seed,
+        lengths=arguments.length,
+        success=False if arguments.failed else True if arguments.succeeded else None,
+        order=arguments.sort or "episode",
+        reverse=arguments.reverse,
+        first=arguments.first,
+    )
+    return None if selection == Selection() else selection
+
+
+def _start(seeds: Ranges | None) -> int | None:
+    if seeds is None:
+        return None
+    if not seeds.text.isdecimal():
+        raise LfrError(f"a policy starts from one seed: found {seeds.text}, expected a number")
+    return int(seeds.text)
+
+
+def _check_names(arguments: argparse.Namespace) -> None:
+    if arguments.save is not None and arguments.save.suffix != ".rrd":
+        raise LfrError(f"--save writes rerun recordings: found {arguments.save}, "
+                       "expected a name in .rrd")  # fmt: skip
+    if arguments.screenshot is not None and arguments.screenshot.suffix != ".png":
+        raise LfrError(f"--screenshot writes PNG: found {arguments.screenshot}, "
+                       "expected a name in .png")  # fmt: skip
+
+
+def _ranges(text: str) -> Ranges:
+    try:
+        return Ranges.parse(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+
+
+def _count(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"found {text!r}, expected a number from 1 on")
+    return int(text)
+
+
+def _size(text: str) -> tuple[int, int]:
+    width, _, height = text.partition("x")
+    if not (width.isdecimal() and height.isdecimal()) or "0" in (width, height):
+        raise argparse.ArgumentTypeError(f"found {text!r}, expected WIDTHxHEIGHT as in 1600x1000")
+    return int(width), int(height)

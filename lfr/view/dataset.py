@@ -22,8 +22,12 @@ def is_dataset(path: Path) -> bool:
     return (path / "meta" / "info.json").is_file()
 
 
-def episode_rows(path: Path) -> list[Row]:
+def episode_rows(path: Path, index: int | None = None) -> list[Row]:
     """What the dataset says of each of its episodes, in order: length, seed, success, files.
+
+    Args:
+        path: the dataset.
+        index: of the only episode that is wanted; None wants all.
 
     Raises:
         DataError: the dataset has no readable table of episodes.
@@ -34,10 +38,11 @@ def episode_rows(path: Path) -> list[Row]:
     if not files:
         raise DataError("no table of episodes", file=path, expected="meta/episodes/*/*.parquet")
     rows: list[Row] = []
+    wanted = None if index is None else [("episode_index", "==", index)]
     for file in files:
         schema = _parquet(partial(pq.read_schema, file), file)
         columns = [name for name in schema.names if not name.startswith("stats/")]  # hundreds
-        table = _parquet(partial(pq.read_table, file, columns=columns), file)
+        table = _parquet(partial(pq.read_table, file, columns=columns, filters=wanted), file)
         rows += table.to_pylist()
     return sorted(rows, key=lambda row: row["episode_index"])
 
@@ -53,12 +58,11 @@ def read_episode(path: Path, index: int) -> Episode:
     """
     import pyarrow.parquet as pq
 
-    rows = episode_rows(path)
-    row = next((row for row in rows if row["episode_index"] == index), None)
-    if row is None:
-        raise DataError(
-            "no such episode", file=path, episode=index, expected=f"0 to {len(rows) - 1}"
-        )
+    rows = episode_rows(path, index)
+    if not rows:
+        count = len(episode_rows(path))
+        raise DataError("no such episode", file=path, episode=index, expected=f"0 to {count - 1}")
+    row = rows[0]
     info = read_json(path / "meta" / "info.json")
     file = path / info["data_path"].format(
         chunk_index=row["data/chunk_index"], file_index=row["data/file_index"]

@@ -10,7 +10,8 @@ import os
 import socket
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from lfr.errors import LfrError, MissingLibraryError
@@ -30,7 +31,7 @@ def viewer_command(
         address: that it listens on; "0.0.0.0" opens it to the network.
         follow: go on reading files that are still being written.
     """
-    command = [str(_executable()), "--bind", address, "--port", str(free_port(DATA_PORT, address))]
+    command = [str(executable()), "--bind", address, "--port", str(free_port(DATA_PORT, address))]
     if web:
         command += ["--serve-web", "--web-viewer-port", str(free_port(WEB_PORT, address))]
     if follow:
@@ -38,34 +39,90 @@ def viewer_command(
     return [*command, *map(str, files)]
 
 
-def show(files: Sequence[Path], *, web: bool, address: str = ADDRESS, follow: bool = False) -> None:
+@dataclass(frozen=True)
+class Viewer:
+    """A viewer that runs.
+
+    Attributes:
+        process: of the viewer, or of the server behind a browser's.
+        url: that recordings are sent to.
+    """
+
+    process: subprocess.Popen[bytes]
+    url: str
+
+    @property
+    def open(self) -> bool:
+        return self.process.poll() is None
+
+    def send(self, file: Path) -> None:
+        """Show the recording of an `.rrd` file, with its blueprint, in the viewer that runs.
+
+        The viewer turns to it (rerun 0.33 turns to whatever arrives, its issue 12950).
+        """
+        import rerun as rr
+        from rerun.experimental import RrdReader
+
+        store = RrdReader(file).recordings()[0]
+        carrier = rr.RecordingStream(
+            store.application_id, recording_id=store.recording_id, send_properties=False
+        )
+        with carrier:
+            carrier.connect_grpc(self.url)
+            carrier.log_file_from_path(file)
+            carrier.flush()
+            carrier.disconnect()
+
+
+def show(
+    files: Sequence[Path],
+    *,
+    web: bool,
+    address: str = ADDRESS,
+    follow: bool = False,
+    attend: Callable[[Viewer], None] | None = None,
+) -> None:
     """Open recordings and return when the viewer is closed, or interrupted.
+
+    Args:
+        files: recordings.
+        web: serve a browser instead of opening a window.
+        address: that it listens on; "0.0.0.0" opens it to the network.
+        follow: go on reading files that are still being written.
+        attend: called with the viewer while it runs; it may return before that.
 
     Raises:
         LfrError: there is no screen to open a window on.
     """
     if not web and not has_screen():
         raise LfrError(
-            "there is no screen here; write a file with --save episode.rrd, "
-            "or serve a browser with --web"
+            "there is no screen here; write a file with --save episode.rrd, a picture with "
+            "--screenshot episode.png, or serve a browser with --web"
         )
     command = viewer_command(files, web=web, address=address, follow=follow)
+    data = command[command.index("--port") + 1]
     if web:
-        data, page = (command[command.index(flag) + 1] for flag in ("--port", "--web-viewer-port"))
-        source = f"rerun%2Bhttp%3A%2F%2F{address}%3A{data}%2Fproxy"
-        print(f"open http://{address}:{page}?url={source} (Ctrl-C ends)", flush=True)
+        page = command[command.index("--web-viewer-port") + 1]
+        source = f"rerun%2Bhttp%3A%2F%2F{_named(address)}%3A{data}%2Fproxy"
+        print(f"open http://{_named(address)}:{page}?url={source} (Ctrl-C ends)", flush=True)
     quiet = {"RUST_LOG": "error", **os.environ}
+    process = subprocess.Popen(command, env=quiet, stdin=subprocess.DEVNULL)
     try:
-        status = subprocess.run(command, env=quiet, check=False).returncode
+        if attend is not None:
+            attend(Viewer(process, f"rerun+http://{_reached(address)}:{data}/proxy"))
+        status = process.wait()
     except KeyboardInterrupt:
         return
-    if status not in (0, 130, -2):
+    finally:
+        process.terminate()
+        process.wait()
+    if status not in (0, 130, -2, -15):
         raise LfrError(f"the rerun viewer ended with status {status}; --save writes a file instead")
 
 
 def merge(files: Sequence[Path], destination: Path) -> None:
     """Put several recordings into one file."""
-    command = [str(_executable()), "rrd", "merge", *map(str, files), "-o", str(destination)]
+    command = [str(executable()), "rrd", "merge", *map(str, files), "-o", str(destination)]
     result = subprocess.run(command, check=False, capture_output=True, text=True)
     if result.returncode:
         raise LfrError(f"the recordings could not be merged: {result.stderr.strip()}")
@@ -90,7 +147,17 @@ def free_port(wanted: int, address: str = ADDRESS) -> int:
     raise LfrError(f"no free port on {address}")
 
 
-def _executable() -> Path:
+def _named(address: str) -> str:
+    """What a browser is told: this machine's name where it listens on every address."""
+    return socket.gethostname() if address in ("0.0.0.0", "::") else address
+
+
+def _reached(address: str) -> str:
+    """Where this machine itself reaches what listens on an address."""
+    return ADDRESS if address in ("0.0.0.0", "::") else address
+
+
+def executable() -> Path:
     """The program itself: rerun-sdk's `rerun` script would leave it behind when it is ended."""
     import rerun_cli
 

@@ -19,7 +19,6 @@ from lfr.importing.features import Choice
 
 from . import made_up
 
-
 IMAGE_SIZE = 64
 ORDER = ("demo_0", "demo_2", "demo_10")  # by number, not by name
 CAMERA = "observation.images.agentview"

@@ -9,7 +9,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from lfr.data.episode import Episode, EpisodeInfo
+from lfr.data.dataset import pack_dataset
+from lfr.data.episode import (
+    ACTION,
+    ENVIRONMENT_STATE,
+    JOINT_POSITION,
+    STATE,
+    Episode,
+    EpisodeInfo,
+)
 from lfr.data.log import EpisodeLog, Frame
 from lfr.data.log_reader import read_log
 
@@ -57,6 +65,54 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Recorded:
         log.finish(sim.state(), rows[-1])
     poses = {name: np.array([np.concatenate(row[name]) for row in rows]) for name in rows[0]}
     return Recorded(path, read_log(path), poses)
+
+
+def write_again(recorded: Recorded, path: Path, seed: int, frames: int, won: bool) -> Path:
+    """The first frames of the episode as another log, of another seed and outcome."""
+    episode = recorded.episode
+    names = [episode.schema[key].names or () for key in (STATE, ENVIRONMENT_STATE)]
+    info = EpisodeInfo("panda", "lift", seed, "lift the cube", tuple(names[0]), tuple(names[1]))
+    columns = episode.features
+
+    def poses(t: int) -> dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]:
+        return {body: (rows[t, :3], rows[t, 3:]) for body, rows in recorded.poses.items()}
+
+    with EpisodeLog(path, info) as log:
+        for t in range(frames):
+            log.frame(
+                Frame(
+                    observation=np.concatenate([columns[STATE][t], columns[ENVIRONMENT_STATE][t]]),
+                    joint_position=columns[JOINT_POSITION][t],
+                    action=columns[ACTION][t],
+                    reward=0.1 * t,
+                    success=won and t == frames - 1,
+                    simulator_state=episode.simulator_state[t],
+                    body_poses=poses(t),
+                )
+            )
+        log.finish(episode.simulator_state[frames], poses(frames))
+    return path
+
+
+LOGS = ((7, 12, True), (3, 5, False), (11, 9, True))
+"""Seed, frames and success of each log of a folder."""
+
+
+@pytest.fixture(scope="session")
+def logs(recorded: Recorded, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder of three logs."""
+    folder = tmp_path_factory.mktemp("several") / "panda-lift"
+    for number, (seed, frames, won) in enumerate(LOGS):
+        write_again(recorded, folder / f"episode-{number:06d}.mcap", seed, frames, won)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def dataset(logs: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The three logs as a dataset without pictures."""
+    out = tmp_path_factory.mktemp("packed") / "panda-lift"
+    pack_dataset(sorted(logs.glob("*.mcap")), out, video=False)
+    return out
 
 
 @pytest.fixture(scope="session")

@@ -1,0 +1,145 @@
+"""All episodes of a dataset or of a folder of logs, as a table in the terminal.
+
+A dataset's is read from a few columns of its Parquet files, so that ten thousand episodes are
+listed in about a second; of a log the metadata and the rewards are read.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lfr.data import tables
+from lfr.data.episode import FPS, REWARD, SUCCESS
+from lfr.data.tables import DatasetFiles
+from lfr.errors import DataError
+from lfr.view.selection import Entry
+
+EPISODE = "episode_index"
+COLUMNS = ("episode", "frames", "seconds", "success", "reward", "seed", "note")
+
+
+def dataset_entries(path: Path) -> list[Entry]:
+    """Every episode of the LeRobot v3.0 dataset at `path`, in order.
+
+    Raises:
+        DataError: no such dataset, a file that is cut off, or another format.
+    """
+    files = DatasetFiles.open(path)
+    rows = files.episodes
+    numbers = rows[EPISODE].to_numpy()
+    lengths = rows["length"].to_pylist()
+    known = {
+        name: rows[name].to_pylist() if name in rows.column_names else [None] * len(numbers)
+        for name in ("success", "seed")
+    }
+    rewards, successes = _per_episode(files, numbers)
+    entries = [
+        Entry(
+            index=int(number),
+            length=lengths[row],
+            success=successes[row] if known["success"][row] is None else known["success"][row],
+            reward=rewards[row],
+            seed=known["seed"][row],
+        )
+        for row, number in enumerate(numbers)
+    ]
+    return sorted(entries, key=lambda entry: entry.index)
+
+
+def log_entries(logs: Sequence[Path]) -> list[Entry]:
+    """Every log of a folder, in order; one that cannot be read says so in its note."""
+    return [_log_entry(index, path) for index, path in enumerate(logs)]
+
+
+def table(entries: Sequence[Entry], of: int | None = None, fps: float = FPS) -> str:
+    """The entries as lines of text, with their sum below.
+
+    Args:
+        entries: to show.
+        of: how many there are in all, where these are a selection.
+        fps: frames per second.
+    """
+    rows = [
+        (
+            str(entry.index),
+            str(entry.length),
+            f"{entry.length / fps:.2f}",
+            {True: "yes", False: "no", None: "-"}[entry.success],
+            "-" if entry.reward is None else f"{entry.reward:.3f}",
+            "-" if entry.seed is None else str(entry.seed),
+            entry.note,
+        )
+        for entry in entries
+    ]
+    shown = len(COLUMNS) if any(entry.note for entry in entries) else len(COLUMNS) - 1
+    widths = [max(map(len, column)) for column in zip(COLUMNS, *rows, strict=True)]
+    lines = [
+        "  ".join(cell.rjust(width) for cell, width in zip(row[:6], widths[:6], strict=True))
+        + (f"  {row[6]}".rstrip() if shown == len(COLUMNS) else "")
+        for row in (COLUMNS, *rows)
+    ]
+    return "\n".join([*lines, summary(entries, of, fps)])
+
+
+def summary(entries: Sequence[Entry], of: int | None = None, fps: float = FPS) -> str:
+    """One line: how many episodes, successes, frames and seconds."""
+    frames = sum(entry.length for entry in entries)
+    said = [entry.success for entry in entries if entry.success is not None]
+    parts = [f"{len(entries)}" + (f" of {of}" if of not in (None, len(entries)) else "")]
+    parts[0] += " episode" if parts[0] == "1" else " episodes"
+    if said:
+        parts.append(f"{sum(said)} succeeded")
+    return ", ".join([*parts, f"{frames} frames", f"{frames / fps:.0f} s"])
+
+
+def _per_episode(
+    files: DatasetFiles, numbers: NDArray[np.int64]
+) -> tuple[list[float | None], list[bool | None]]:
+    """Summed reward and success of the episodes of these numbers, from the frames themselves."""
+    columns = [key for key in (REWARD, SUCCESS) if key in files.features]
+    rewards: list[float | None] = [None] * len(numbers)
+    successes: list[bool | None] = [None] * len(numbers)
+    if not columns or not len(numbers):
+        return rewards, successes
+    rows = files.data([EPISODE, *columns])
+    owner = tables.values(rows, EPISODE)
+    place = np.full(int(max(numbers.max(), owner.max())) + 1, len(numbers))
+    place[numbers] = np.arange(len(numbers))
+
+    def summed(key: str) -> NDArray[np.float64]:
+        flat = np.asarray(tables.values(rows, key), np.float64).reshape(len(owner), -1)[:, 0]
+        return np.bincount(place[owner], flat, len(numbers) + 1).astype(np.float64)
+
+    if REWARD in columns:
+        rewards = [float(total) for total in summed(REWARD)[: len(numbers)]]
+    if SUCCESS in columns:
+        successes = [bool(count) for count in summed(SUCCESS)[: len(numbers)]]
+    return rewards, successes
+
+
+def _log_entry(index: int, path: Path) -> Entry:
+    import json
+
+    from lfr.data import messages
+    from lfr.data.mcap_file import open_whole
+
+    try:
+        with open_whole(path) as reader:
+            said = {record.name: record.metadata for record in reader.iter_metadata()}
+            total = 0.0
+            for schema, _, message in reader.iter_messages(topics=[messages.REWARD]):
+                if schema is not None:
+                    reward: Any = messages.message_class(schema.name, schema.data)
+                    total += reward.FromString(message.data).reward
+        outcome = {key: json.loads(text) for key, text in said["outcome"].items()}
+        seed = int(json.loads(said["episode"]["seed"]))
+        return Entry(index, outcome["frames"], outcome["success"], total, seed, path.name)
+    except DataError as error:
+        return Entry(index, 0, note=f"{path.name}: {error.message}")
+    except (KeyError, ValueError):
+        return Entry(index, 0, note=f"{path.name}: no log of lfr")

@@ -1,0 +1,139 @@
+"""The layout of a raw MCAP log in plain `rerun`, as the committed file `log.rbl` holds it.
+
+rerun reads a log's poses and pictures by itself; our own messages and the joints arrive as
+structures, of which a view plots a field where its layout names it. `python -m lfr.view.log_layout`
+writes the file anew; `rerun episode-000000.mcap log.rbl` opens a log with it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from lfr.view import series
+from lfr.view.blueprint import BACKGROUND
+from lfr.view.series import Color
+
+if TYPE_CHECKING:
+    import rerun.blueprint as rrb
+
+FILE = Path(__file__).with_name("log.rbl")
+APPLICATION = "lfr-log"
+WORLD = "world"
+"""The frame of a log's poses that all others are placed in."""
+
+MESSAGE, TIMELINE = "message", "message_log_time"
+
+
+@dataclass(frozen=True)
+class Plot:
+    """Curves of one view, from the fields of one topic.
+
+    Attributes:
+        name: of the view.
+        topic: that the messages are on.
+        schema: of the messages.
+        fields: selector -> name in the legend, or names where it selects several numbers.
+        span: of the vertical axis, where it is known.
+        colors: of the curves.
+    """
+
+    name: str
+    topic: str
+    schema: str
+    fields: Mapping[str, str | tuple[str, ...]]
+    span: tuple[float, float] | None = None
+    colors: Sequence[Color] = series.PALETTE
+
+
+UNIT = (-1.05, 1.05)
+PLOTS = (
+    Plot("Action: translation (1 = 5 cm)", "/action", "lfr.Action",
+         {".dx": "dx", ".dy": "dy", ".dz": "dz"}, UNIT),
+    Plot("Action: rotation (1 = 0.5 rad)", "/action", "lfr.Action",
+         {".drx": "drx", ".dry": "dry", ".drz": "drz"}, UNIT),
+    Plot("Action: gripper (-1 open, +1 closed)", "/action", "lfr.Action",
+         {".gripper": "gripper"}, UNIT, (series.AMBER,)),
+    Plot("End effector (m)", "/observation", "lfr.Observation",
+         {".eef_pos_x": "x", ".eef_pos_y": "y", ".eef_pos_z": "z"}),
+    Plot("Gripper aperture (m)", "/observation", "lfr.Observation",
+         {".gripper_aperture": "aperture"}, None, (series.TEAL,)),
+    Plot("Reward", "/reward", "lfr.Reward", {".reward": "reward"}, None, (series.VIOLET,)),
+    Plot("Success", "/success", "lfr.Success", {".success": "success"}, (-0.05, 1.05),
+         (series.GREEN,)),
+    Plot("Joints (rad)", "/joint_states", "foxglove.JointStates",
+         {".joints[].position": tuple(f"joint {number}" for number in range(7))}),
+)  # fmt: skip
+"""What every log has; the objects' names differ from task to task."""
+
+
+def log_blueprint() -> rrb.Blueprint:
+    """Frames and camera at the left, the series at the right."""
+    import rerun.blueprint as rrb
+
+    frames = rrb.Spatial3DView(
+        origin="/",
+        contents=["/tf/**", "/camera/**"],
+        name="Bodies and camera",
+        background=rrb.archetypes.Background(kind="SolidColor", color=BACKGROUND),
+        spatial_information=rrb.SpatialInformation(target_frame=WORLD, show_axes=True),
+        eye_controls=rrb.EyeControls3D(position=(1.6, -1.2, 1.7), look_target=(-0.1, 0.0, 0.95)),
+        overrides={"/tf": _axes()},
+    )
+    picture = rrb.Spatial2DView(origin="/camera/agentview", name="agentview")
+    left = rrb.Vertical(frames, picture, row_shares=[2, 1])
+    right = rrb.Grid(*map(_view, PLOTS), grid_columns=2)
+    return rrb.Blueprint(
+        rrb.Horizontal(left, right, column_shares=[1, 1.4]),
+        rrb.BlueprintPanel(state="collapsed"),
+        rrb.SelectionPanel(state="collapsed"),
+        rrb.TimePanel(state="collapsed", timeline=TIMELINE, loop_mode="All", play_state="Playing"),
+    )
+
+
+def _view(plot: Plot) -> rrb.View:
+    import rerun as rr
+    import rerun.blueprint as rrb
+    from rerun.blueprint.datatypes import ComponentSourceKind, VisualizerComponentMapping
+
+    def style(place: int, names: str | tuple[str, ...]) -> rr.SeriesLines:
+        """Colours in their order, over the fields or over the numbers that one field selects."""
+        every = (names,) if isinstance(names, str) else names
+        colors = [plot.colors[(place + k) % len(plot.colors)] for k in range(len(every))]
+        return rr.SeriesLines(names=list(every), colors=colors)
+
+    curves = [
+        style(k, name).visualizer(
+            mappings=[
+                VisualizerComponentMapping(
+                    "Scalars:scalars",
+                    ComponentSourceKind.SourceComponent,
+                    source_component=f"{plot.schema}:{MESSAGE}",
+                    selector=selector,
+                )
+            ]
+        )
+        for k, (selector, name) in enumerate(plot.fields.items())
+    ]
+    whole = rr.TimeRange(rr.TimeRangeBoundary.infinite(), rr.TimeRangeBoundary.infinite())
+    overrides: dict[Any, Any] = {plot.topic: curves}
+    return rrb.TimeSeriesView(
+        origin="/",
+        contents=[plot.topic],
+        name=plot.name,
+        axis_x=rrb.archetypes.TimeAxis(view_range=whole),
+        axis_y=rrb.ScalarAxis(range=plot.span) if plot.span else None,
+        overrides=overrides,
+    )
+
+
+def _axes() -> Any:
+    import rerun as rr
+
+    return rr.TransformAxes3D(axis_length=0.08).visualizer()
+
+
+if __name__ == "__main__":
+    log_blueprint().save(APPLICATION, str(FILE))
