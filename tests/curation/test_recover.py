@@ -19,7 +19,7 @@ from lfr import cli
 from lfr.curation.recover import recover
 from lfr.curation.salvage import salvage
 from lfr.data.episode import Episode
-from lfr.data.log import read_log
+from lfr.data.log_reader import read_log
 from lfr.errors import DataError
 
 from . import made_up
