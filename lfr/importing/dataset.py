@@ -60,7 +60,6 @@ def import_robomimic(
     Raises:
         LfrError: there is something at `out` already.
         DataError: the file is not what it should be; the message names demonstration and array.
-        MissingLibraryError: h5py is not installed.
     """
     path, out = Path(path), Path(out)
     choice, about = choice or Choice(), about or About()

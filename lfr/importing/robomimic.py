@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lfr.errors import DataError, MissingLibraryError
+from lfr.errors import DataError
 
 EXTRACT = "robomimic's dataset_states_to_obs.py adds observations, rewards and dones to raw files"
 
@@ -177,12 +177,9 @@ def open_robomimic(path: Path) -> Iterator[RobomimicFile]:
 
     Raises:
         DataError: it is missing, cut off, or no HDF5 file.
-        MissingLibraryError: h5py is not installed.
     """
-    try:
-        import h5py  # pyright: ignore[reportMissingImports]
-    except ImportError:
-        raise MissingLibraryError("HDF5 files are read with h5py: pip install h5py") from None
+    import h5py
+
     if not path.is_file():
         raise DataError("the file is missing", file=path)
     try:

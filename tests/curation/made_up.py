@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from lfr.data.log import EpisodeLog, Frame
+from lfr.data.log import Frame
 from tests.data import made_up
 
 THEIRS = {
@@ -36,20 +36,8 @@ def frames(seed: int, length: int, image_size: int = 0) -> list[Frame]:
     ]
 
 
-def write(path: Path, seed: int, length: int, image_size: int = 0) -> list[Frame]:
-    logged = frames(seed, length, image_size)
-    with EpisodeLog(path, made_up.info(seed)) as log:
-        for frame in logged:
-            log.frame(frame)
-        log.finish(np.arange(30.0), body_poses=logged[-1].body_poses)
-    return logged
-
-
-def write_all(folder: Path, lengths: Sequence[int], image_size: int = 0) -> list[Path]:
-    paths = [folder / f"episode-{i:06d}.mcap" for i in range(len(lengths))]
-    for seed, (path, length) in enumerate(zip(paths, lengths, strict=True)):
-        write(path, seed, length, image_size)
-    return paths
+write = partial(made_up.write, make=frames)
+write_all = partial(made_up.write_all, make=frames)
 
 
 def record_with_lerobot(root: Path) -> Path:

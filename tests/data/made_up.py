@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from lfr.data.episode import EpisodeInfo
 from lfr.data.log import EpisodeLog, Frame
+
+Make = Callable[[int, int, int], list[Frame]]
+"""Makes the frames of a seed, so many, with pictures of so many pixels."""
 
 STATE_NAMES = ("eef_pos.x", "eef_pos.y", "eef_pos.z", "gripper_aperture")
 BODIES = ("hand", "cube")
@@ -56,9 +59,11 @@ def picture(seed: int, t: int, size: int) -> np.ndarray:
     return image.clip(0, 255).astype(np.uint8)
 
 
-def write(path: Path, seed: int, length: int, image_size: int = 0) -> list[Frame]:
+def write(
+    path: Path, seed: int, length: int, image_size: int = 0, make: Make = frames
+) -> list[Frame]:
     """Log the made-up episode of this seed; gives back what was logged."""
-    logged = frames(seed, length, image_size)
+    logged = make(seed, length, image_size)
     with EpisodeLog(path, info(seed)) as log:
         for frame in logged:
             log.frame(frame)
@@ -66,8 +71,10 @@ def write(path: Path, seed: int, length: int, image_size: int = 0) -> list[Frame
     return logged
 
 
-def write_all(folder: Path, lengths: Sequence[int], image_size: int = 0) -> list[Path]:
+def write_all(
+    folder: Path, lengths: Sequence[int], image_size: int = 0, make: Make = frames
+) -> list[Path]:
     paths = [folder / f"episode-{i:06d}.mcap" for i in range(len(lengths))]
     for seed, (path, length) in enumerate(zip(paths, lengths, strict=True)):
-        write(path, seed, length, image_size)
+        write(path, seed, length, image_size, make)
     return paths

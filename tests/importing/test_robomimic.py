@@ -1,7 +1,6 @@
 """LeRobotDataset opens what is imported; every row is held against the arrays that were written."""
 
 import hashlib
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +11,7 @@ import pytest
 from lfr.artifacts import read_json
 from lfr.cli import main
 from lfr.data.windows import read_dataset
-from lfr.errors import DataError, LfrError, MissingLibraryError, ParameterError
+from lfr.errors import DataError, LfrError, ParameterError
 from lfr.importing.columns import action_names, object_parts
 from lfr.importing.dataset import About, import_robomimic
 from lfr.importing.features import Choice
@@ -293,10 +292,3 @@ def test_the_parts_of_object_depend_on_robosuites_version() -> None:
     assert [name for name, _ in object_parts(can)][:2] == ["Can_pos", "Can_quat"]
     assert object_parts({"env_name": "PickPlaceCan"}) == ()
     assert object_parts({"env_name": "ToolHang", "env_version": "1.4.1"}) == ()
-
-
-def test_without_h5py(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    file = small(tmp_path)
-    monkeypatch.setitem(sys.modules, "h5py", None)
-    with pytest.raises(MissingLibraryError, match="pip install h5py"):
-        import_robomimic(file, tmp_path / "out")

@@ -14,15 +14,7 @@ from lfr.tasks import task
 from lfr.transfer.actor import SkillActor
 from lfr.transfer.model import save_policy
 from lfr.transfer.policy import MappedPolicy
-
-
-@pytest.fixture(autouse=True, scope="package")
-def one_thread():
-    """As in a job of the evaluation."""
-    before = torch.get_num_threads()
-    torch.set_num_threads(1)
-    yield
-    torch.set_num_threads(before)
+from tests.transfer.conftest import one_thread as one_thread
 
 
 @pytest.fixture(scope="package")
