@@ -6,14 +6,16 @@ demonstrations of the new task reach nothing but the oracle.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, get_args
 
+from lfr.brought import BroughtArm, brought
 from lfr.errors import LfrError, ParameterError, UnknownNameError
 from lfr.params import PARAMS, from_mapping, read_yaml
-from lfr.robots import robot as robot_named
+from lfr.robots import ROBOTS
+from lfr.tasks import TASKS
 from lfr.tasks import task as task_named
 
 Role = Literal["source", "target", "oracle"]
@@ -27,17 +29,21 @@ class Scenario:
     Attributes:
         name: as in params.yaml, e.g. "s1".
         common: tasks that both arms have demonstrations of.
-        new: robot -> the task that it learns; its two keys are the scenario's arms.
+        new: robot -> the task that it learns.
+        arms: the two arms, where `new` names but one of them.
+        undemonstrated: robots that have no demonstrations of their own new task, so no oracle.
     """
 
     name: str
     common: tuple[str, ...]
     new: dict[str, str]
+    arms: tuple[str, ...] = ()
+    undemonstrated: tuple[str, ...] = ()
 
     @property
     def robots(self) -> tuple[str, str]:
-        """The two arms, in the order of `new`."""
-        first, second = self.new
+        """The two arms, in the order of `new`, or of `arms` where that is given."""
+        first, second = self.arms or self.new
         return first, second
 
     def other(self, robot: str) -> str:
@@ -46,9 +52,9 @@ class Scenario:
         Raises:
             UnknownNameError: the robot is not in this scenario.
         """
-        if robot not in self.new:
-            raise UnknownNameError(f"robot of scenario {self.name}", robot, self.new)
         first, second = self.robots
+        if robot not in self.robots:
+            raise UnknownNameError(f"robot of scenario {self.name}", robot, self.robots)
         return second if robot == first else first
 
 
@@ -63,6 +69,7 @@ class Transfer:
         target: the arm that learns it.
         common: tasks that both arms have demonstrations of.
         task: the new task.
+        oracle: whether the target has demonstrations of the new task too, for comparison alone.
     """
 
     name: str
@@ -71,6 +78,7 @@ class Transfer:
     target: str
     common: tuple[str, ...]
     task: str
+    oracle: bool = True
 
 
 @dataclass(frozen=True)
@@ -79,10 +87,11 @@ class _Entry:
 
     common: tuple[str, ...]
     new: dict[str, str]
+    arms: tuple[str, ...] = ()
 
 
 def scenarios(path: Path = PARAMS) -> dict[str, Scenario]:
-    """The scenarios of params.yaml, by name.
+    """The scenarios of params.yaml, by name, those of brought arms after the others.
 
     Raises:
         ParameterError: one is incomplete or contradicts itself.
@@ -91,7 +100,16 @@ def scenarios(path: Path = PARAMS) -> dict[str, Scenario]:
     section = read_yaml(path).get("scenarios")
     if not isinstance(section, dict) or not section:
         raise ParameterError(f"{path}: no section 'scenarios'")
-    return {str(name): _scenario(str(name), entry, path) for name, entry in section.items()}
+    theirs = brought(path)
+    twice = sorted(set(section) & set(theirs.scenarios))
+    if twice:
+        raise ParameterError(f"{path}: {', '.join(twice)} under 'scenarios' and under 'brought'")
+    places = (("scenarios", section), ("brought.scenarios", theirs.scenarios))
+    return {
+        str(name): _scenario(str(name), entry, f"{path}: {place}.{name}", theirs.arms)
+        for place, entries in places
+        for name, entry in entries.items()
+    }
 
 
 def scenario(name: str, path: Path = PARAMS) -> Scenario:
@@ -128,7 +146,7 @@ def transfer(name: str, path: Path = PARAMS) -> Transfer:
 
 
 def transfers_of(scenario: Scenario) -> tuple[Transfer, ...]:
-    """What each arm of a scenario learns from the other."""
+    """What the arms of a scenario learn from each other."""
     return tuple(
         Transfer(
             name=f"{scenario.name}-{target}-{task}",
@@ -137,6 +155,7 @@ def transfers_of(scenario: Scenario) -> tuple[Transfer, ...]:
             target=target,
             common=scenario.common,
             task=task,
+            oracle=target not in scenario.undemonstrated,
         )
         for target, task in scenario.new.items()
     )
@@ -155,11 +174,11 @@ def visible_tasks(scenario: Scenario, robot: str, role: Role) -> tuple[str, ...]
     other = scenario.other(robot)
     match role:
         case "source":
-            return (*scenario.common, scenario.new[other])
+            return (*scenario.common, *_new(scenario, other))
         case "target":
             return scenario.common
         case "oracle":
-            return (*scenario.common, scenario.new[robot])
+            return (*scenario.common, *_new(scenario, robot))
     raise UnknownNameError("role", role, ROLES)
 
 
@@ -178,16 +197,25 @@ def check_visible(scenario: Scenario, robot: str, role: Role, tasks: Iterable[st
             )
 
 
-def _scenario(name: str, entry: object, path: Path) -> Scenario:
-    where = f"{path}: scenarios.{name}"
+def _new(scenario: Scenario, robot: str) -> tuple[str, ...]:
+    return (scenario.new[robot],) if robot in scenario.new else ()
+
+
+def _scenario(name: str, entry: object, where: str, arms: Mapping[str, BroughtArm]) -> Scenario:
     read = from_mapping(_Entry, entry, where)
-    for robot in read.new:
-        robot_named(robot)
+    robots = read.arms or tuple(read.new)
+    for robot in (*read.new, *robots):
+        if robot not in (*ROBOTS, *arms):
+            raise UnknownNameError("robot", robot, (*ROBOTS, *arms))
+    if len(set(robots)) != 2 or len(robots) != 2:
+        kind = "arms" if read.arms else "new"
+        raise ParameterError(f"{where}: found {len(robots)} robots under {kind!r}, expected two")
+    if not read.new or not set(read.new) <= set(robots):
+        raise ParameterError(
+            f"{where}: found {', '.join(read.new) or 'no robot'} under 'new', "
+            f"expected one of {', '.join(robots)} or both"
+        )
     tasks = (*read.common, *read.new.values())
-    for task in tasks:
-        task_named(task)
-    if len(read.new) != 2:
-        raise ParameterError(f"{where}: found {len(read.new)} robots under 'new', expected two")
     if not read.common:
         raise ParameterError(f"{where}: 'common' names no task; G and F are learned on these")
     twice = sorted({task for task in tasks if tasks.count(task) > 1})
@@ -195,4 +223,16 @@ def _scenario(name: str, entry: object, path: Path) -> Scenario:
         raise ParameterError(
             f"{where}: {', '.join(twice)} named twice; a task is common or new to one robot"
         )
-    return Scenario(name, read.common, read.new)
+    for robot in robots:
+        taught = [task for target, task in read.new.items() if target != robot]
+        for task in (*read.common, *taught):
+            if robot not in arms:
+                task_named(task)
+            elif task not in arms[robot].tasks:
+                raise UnknownNameError(f"task of {robot}", task, arms[robot].tasks)
+    undemonstrated = tuple(
+        robot
+        for robot, task in read.new.items()
+        if task not in (arms[robot].tasks if robot in arms else TASKS)
+    )
+    return Scenario(name, read.common, read.new, read.arms, undemonstrated)

@@ -3,6 +3,7 @@
 import sys
 from pathlib import Path
 
+from lfr.brought import brought_arms
 from lfr.evaluation.chain import chain_trials
 from lfr.evaluation.params import EvaluateParams
 from lfr.evaluation.trials import success_rates
@@ -17,23 +18,26 @@ from lfr.skills.params import SkillsParams
 from pipeline._stage import SeedParams, models_into, rows_of, unfinished_work, write_metrics
 
 CODE = (
-    "lfr.mapping", "lfr.skills", "lfr.models", "lfr.data", "lfr.sim", "lfr.scenarios", "lfr.seeds",
+    "lfr.mapping", "lfr.skills", "lfr.models", "lfr.data", "lfr.brought", "lfr.columns", "lfr.sim", "lfr.scenarios", "lfr.seeds",
     "lfr.robots", "lfr.tasks", "lfr.evaluation.chain", "lfr.evaluation.policies",
     "lfr.evaluation.rollouts", "lfr.evaluation.trials",
 )  # fmt: skip
 
 
 def main(transfer: str) -> None:
-    """Train a transfer's mapping into models/mapping/<transfer> and measure its chain."""
+    """Train a transfer's mapping into models/mapping/<transfer> and measure its chain.
+
+    The chain is left out where an arm is not simulated.
+    """
     chosen = transfer_named(transfer)
     scenario = scenario_named(chosen.scenario)
     params = read_section(MappingParams, "mapping")
     held_out = read_section(SkillsParams, "skills").held_out
-    episodes = read_section(EvaluateParams, "evaluate").episodes
     seed = read_section(SeedParams, "seeds").models
     skills = Path("models/skills") / transfer
+    arms = brought_arms(scenario.robots)
     datasets = [
-        DATASETS / f"{robot}-{task}"
+        arms[robot].dataset(task) if robot in arms else DATASETS / f"{robot}-{task}"
         for robot, tasks in (
             (chosen.source, (*chosen.common, chosen.task)),
             (chosen.target, chosen.common),
@@ -42,15 +46,17 @@ def main(transfer: str) -> None:
     ]
     inputs = rows_of(datasets)
     work = unfinished_work(
-        "mapping", transfer, chosen, params, held_out, seed, skills, *inputs, code=CODE
+        "mapping", transfer, chosen, params, held_out, seed, skills, arms, *inputs, code=CODE
     )
 
-    report = train_models(scenario, chosen, params, held_out, seed, skills, work)
-    trials = chain_trials(chosen, skills, work / "models", episodes)
-    chain = success_rates(trials, work, f"chain {transfer}")
+    report = train_models(scenario, chosen, params, held_out, seed, skills, work, arms=arms)
+    if not arms:
+        episodes = read_section(EvaluateParams, "evaluate").episodes
+        trials = chain_trials(chosen, skills, work / "models", episodes)
+        chain = success_rates(trials, work, f"chain {transfer}")
+        about = {"source": chosen.source, "target": chosen.target, "task": chosen.task}
+        write_metrics("chain", transfer, {**about, "links": chain})
     models_into(Path("models/mapping") / transfer, work / "models")
-    about = {"source": chosen.source, "target": chosen.target, "task": chosen.task}
-    write_metrics("chain", transfer, {**about, "links": chain})
     write_metrics("mapping", transfer, report)
 
 

@@ -3,6 +3,7 @@
 import sys
 from pathlib import Path
 
+from lfr.brought import brought_arms
 from lfr.evaluation.own_arm import own_arm_trials
 from lfr.evaluation.params import EvaluateParams
 from lfr.evaluation.trials import success_rates
@@ -11,35 +12,43 @@ from lfr.program import run_stage
 from lfr.scenarios import scenario as scenario_named
 from lfr.scenarios import transfer as transfer_named
 from lfr.scenarios import visible_tasks
+from lfr.skills.compatible import check_arms
 from lfr.skills.demonstrations import DATASETS
 from lfr.skills.models import roles_of, train_models
 from lfr.skills.params import SkillsParams
 from pipeline._stage import SeedParams, models_into, rows_of, unfinished_work, write_metrics
 
 CODE = (
-    "lfr.skills", "lfr.models", "lfr.data", "lfr.sim", "lfr.scenarios", "lfr.seeds", "lfr.robots",
+    "lfr.skills", "lfr.models", "lfr.data", "lfr.brought", "lfr.columns", "lfr.sim", "lfr.scenarios", "lfr.seeds", "lfr.robots",
     "lfr.tasks", "lfr.evaluation.own_arm", "lfr.evaluation.policies", "lfr.evaluation.rollouts",
     "lfr.evaluation.trials",
 )  # fmt: skip
 
 
 def main(transfer: str) -> None:
-    """Train the skill models that a transfer needs into models/skills/<transfer>."""
+    """Train the skill models that a transfer needs into models/skills/<transfer>.
+
+    Without a simulation of both arms nothing is said of the priors' success.
+    """
     chosen = transfer_named(transfer)
     scenario = scenario_named(chosen.scenario)
     params = read_section(SkillsParams, "skills")
-    episodes = read_section(EvaluateParams, "evaluate").episodes
     seed = read_section(SeedParams, "seeds").models
+    arms = brought_arms(scenario.robots)
+    check_arms(scenario, arms)
     datasets = {
-        DATASETS / f"{robot}-{task}"
+        arms[robot].dataset(task) if robot in arms else DATASETS / f"{robot}-{task}"
         for role, robot in roles_of(chosen).items()
         for task in visible_tasks(scenario, robot, role)
     }
     inputs = rows_of(sorted(datasets))
-    work = unfinished_work("skills", transfer, scenario, params, seed, *inputs, code=CODE)
+    work = unfinished_work("skills", transfer, scenario, params, seed, arms, *inputs, code=CODE)
 
-    report = train_models(scenario, chosen, params, seed, work)
-    trials = own_arm_trials(scenario, chosen, work / "models", episodes)
+    report = train_models(scenario, chosen, params, seed, work, arms=arms)
+    trials = {}
+    if not arms:
+        episodes = read_section(EvaluateParams, "evaluate").episodes
+        trials = own_arm_trials(scenario, chosen, work / "models", episodes)
     for name, found in success_rates(trials, work, f"skills {transfer}: own arm").items():
         role, task = name.split("/")
         report[role]["prior"][task]["own_arm"] = found

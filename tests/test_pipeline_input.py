@@ -151,6 +151,12 @@ def test_params_yaml_states_every_parameter() -> None:
     assert not missing
 
 
+def test_the_defaults_are_those_of_the_main_job() -> None:
+    """Whoever calls the library gets what was measured."""
+    for section, cls in SECTIONS.items():
+        assert read_section(cls, section, ROOT / "params.yaml") == cls()
+
+
 def unstated(cls: Any, stated: dict[str, Any], where: str) -> list[str]:
     hints = get_type_hints(cls)
     found = []

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import pyarrow as pa
 import torch
+from numpy.typing import NDArray
 from torch import Tensor
 
+from lfr.columns import ActionSpace, Columns
 from lfr.data import tables
-from lfr.data.episode import ACTION, ENVIRONMENT_STATE, REWARD, STATE, SUCCESS
+from lfr.data.episode import REWARD, SUCCESS
+from lfr.data.selection import RECORDED, Chosen, select
 from lfr.data.tables import DatasetFiles
 from lfr.errors import DataError
 
@@ -22,23 +26,25 @@ class DemonstrationSet:
     """The episodes of one dataset, end to end.
 
     Attributes:
-        observations: (N, D) float32, observation.state then observation.environment_state.
-        actions: (N, A) float32.
-        rewards: (N,) float32, after the action of the same row.
-        successes: (N,) bool, after the action of the same row.
+        observations: (N, D) float32; of this project's own datasets observation.state, then
+            observation.environment_state.
+        actions: (N, A) float32 in [-1, 1].
+        rewards: (N,) float32, after the action of the same row; None where the dataset has none.
+        successes: (N,) bool, after the action of the same row; None where the dataset has none.
         starts: (E + 1,) int64; episode e is the rows starts[e] to starts[e + 1] - 1.
-        observation_names, action_names: of each dimension.
+        observation_names: of each dimension.
+        action_space: the name of each dimension, and what -1 and 1 stand for.
         robot, task, fps: as the dataset says; the task is "" where it does not.
         seeds: of each episode, or () where the dataset does not say.
     """
 
     observations: Tensor
     actions: Tensor
-    rewards: Tensor
-    successes: Tensor
+    rewards: Tensor | None
+    successes: Tensor | None
     starts: Tensor
     observation_names: tuple[str, ...]
-    action_names: tuple[str, ...]
+    action_space: ActionSpace
     robot: str
     task: str
     fps: int
@@ -65,18 +71,14 @@ class DemonstrationSet:
         rows = torch.cat(pieces) if pieces else torch.empty(0, dtype=torch.int64)
         starts = torch.zeros(len(chosen) + 1, dtype=torch.int64)
         starts[1:] = self.lengths[chosen].cumsum(0)
-        return DemonstrationSet(
-            self.observations[rows],
-            self.actions[rows],
-            self.rewards[rows],
-            self.successes[rows],
-            starts,
-            self.observation_names,
-            self.action_names,
-            self.robot,
-            self.task,
-            self.fps,
-            tuple(self.seeds[e] for e in chosen.tolist()) if self.seeds else (),
+        return replace(
+            self,
+            observations=self.observations[rows],
+            actions=self.actions[rows],
+            rewards=None if self.rewards is None else self.rewards[rows],
+            successes=None if self.successes is None else self.successes[rows],
+            starts=starts,
+            seeds=tuple(self.seeds[e] for e in chosen.tolist()) if self.seeds else (),
         )
 
     def split(self, held_out: float, seed: int) -> tuple[DemonstrationSet, DemonstrationSet]:
@@ -143,46 +145,81 @@ class Windows:
         return self.gather(torch.arange(len(self)))
 
 
-def read_dataset(path: Path) -> DemonstrationSet:
+def read_dataset(
+    path: Path, columns: Columns = RECORDED, instruction: str | None = None
+) -> DemonstrationSet:
     """Read a LeRobot v3.0 dataset from its Parquet files.
 
+    Args:
+        columns: what becomes observation and action; by default this project's own.
+        instruction: the task whose episodes are read, in the dataset's words; None reads all.
+
     Raises:
-        DataError: there is no dataset, a file is cut off, or a column is missing. `check_dataset`
-            looks at the values too.
+        DataError: there is no dataset, a file is cut off, a column or dimension is missing, or no
+            episode is of this task. `check_dataset` looks at the values too.
     """
     files = DatasetFiles.open(Path(path))
-    columns = (STATE, ENVIRONMENT_STATE, ACTION, REWARD, SUCCESS)
-    for column in columns:
-        if column not in files.features:
-            raise DataError(
-                "a column is missing",
-                file=files.path / "meta" / "info.json",
-                column=column,
-                found=", ".join(files.features),
-                expected=column,
-            )
-    table = files.data(columns)
-    state, environment, action, reward, success = (tables.values(table, c) for c in columns)
+    chosen = select(files, columns)
+    extra = [column for column in (REWARD, SUCCESS) if column in files.features]
+    table = files.data([*columns.needed, *extra])
     lengths = files.episodes["length"].to_numpy()
-    if lengths.sum() != len(action):
+    if lengths.sum() != len(table):
         raise DataError(
             "another number of rows than the episodes have; pack the logs again",
             file=files.path,
-            found=len(action),
+            found=len(table),
             expected=int(lengths.sum()),
         )
+    observation = np.concatenate([_taken(table, part) for part in chosen.observation], axis=1)
+    action = chosen.space.normalized(_taken(table, chosen.action))
     seeds = files.episodes["seed"].to_pylist() if "seed" in files.episodes.column_names else ()
-    names = {key: tuple(files.features[key]["names"]) for key in (STATE, ENVIRONMENT_STATE, ACTION)}
-    return DemonstrationSet(
-        observations=torch.from_numpy(np.concatenate([state, environment], axis=1)),
+    found = DemonstrationSet(
+        observations=torch.from_numpy(np.asarray(observation, np.float32)),
         actions=torch.from_numpy(np.array(action)),
-        rewards=torch.from_numpy(np.array(reward)),
-        successes=torch.from_numpy(np.array(success)),
+        rewards=_scalars(table, REWARD) if REWARD in extra else None,
+        successes=_scalars(table, SUCCESS) if SUCCESS in extra else None,
         starts=torch.from_numpy(np.concatenate([[0], np.cumsum(lengths)])),
-        observation_names=names[STATE] + names[ENVIRONMENT_STATE],
-        action_names=names[ACTION],
+        observation_names=chosen.observation_names,
+        action_space=chosen.space,
         robot=files.info.get("robot_type") or "",
-        task=", ".join(files.task_names()),
+        task=instruction if instruction is not None else ", ".join(files.task_names()),
         fps=files.info["fps"],
         seeds=tuple(seeds),
     )
+    return found if instruction is None else found.select(episodes_of(files, instruction))
+
+
+def episodes_of(files: DatasetFiles, instruction: str) -> list[int]:
+    """The numbers of the episodes that are of one task alone, by its words.
+
+    Raises:
+        DataError: there are none; the message lists the dataset's tasks.
+    """
+    column = "tasks"
+    if column not in files.episodes.column_names:
+        folder = files.path / "meta" / "episodes"
+        raise DataError("a column is missing", file=folder, column=column)
+    tasks = files.episodes[column].to_pylist()
+    episodes = [number for number, known in enumerate(tasks) if list(known) == [instruction]]
+    if not episodes:
+        named = sorted({task for known in tasks for task in known})
+        raise DataError(
+            "no episode is of this task",
+            file=files.path,
+            found=", ".join(map(repr, named)),
+            expected=repr(instruction),
+        )
+    return episodes
+
+
+def _taken(table: pa.Table, part: Chosen) -> NDArray:
+    """(N, D) of a column's chosen dimensions, divided by its unit."""
+    values = tables.values(table, part.column)
+    values = values.reshape(len(values), -1)
+    if part.places != tuple(range(values.shape[1])):
+        values = values[:, part.places]
+    return values if part.unit == 1.0 else values / part.unit
+
+
+def _scalars(table: pa.Table, column: str) -> Tensor:
+    return torch.from_numpy(np.array(tables.values(table, column)).reshape(-1))

@@ -15,11 +15,18 @@ def report(
     records: Sequence[Record],
     chains: Mapping[str, Record],
     results: Path = RESULTS,
+    *,
+    brought: Sequence[str] = (),
 ) -> str:
-    """Markdown: success, the chain, the skills, the demonstrations, and how the stages ran."""
+    """Markdown: success, the chain, the skills, the demonstrations, and how the stages ran.
+
+    Args:
+        brought: transfers between arms without a simulator; they have skills and a mapping alone.
+    """
     recorded = _all(results / "record")
     skills, mappings = (
-        {name: one for name, one in _all(results / stage).items() if name in chains}
+        {name: one for name, one in _all(results / stage).items()
+         if name in (*chains, *brought)}
         for stage in ("skills", "mapping")
     )
     datasets = {name: digest for one in records for name, digest in

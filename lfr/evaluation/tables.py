@@ -104,12 +104,11 @@ def skill_table(skills: Mapping[str, Mapping[str, Any]]) -> str:
     for transfer, roles in skills.items():
         for role, model in ((r, roles[r]) for r in ROLES if r in roles):
             for task, prior in model["prior"].items():
-                own, rmse = prior["own_arm"], model["held_out"][task]["rmse"]
-                position = sum(rmse[axis] for axis in ("dx", "dy", "dz")) / 3
-                rate = percent(own["rate"], (own["low"], own["high"]))
-                kl = prior["kl_held_out"]
+                own, kl = prior.get("own_arm"), prior["kl_held_out"]  # no success without simulator
+                rate = percent(own["rate"], (own["low"], own["high"])) if own else "-"
                 rows.append([transfer, role, model["robot"], task, rate,
-                             "-" if kl is None else f"{kl:.1f}", f"{position:.3f}"])  # fmt: skip
+                             "-" if kl is None else f"{kl:.1f}",
+                             _position(model["held_out"][task]["rmse"])])  # fmt: skip
     return markdown(header, rows)
 
 
@@ -122,10 +121,17 @@ def mapping_table(mappings: Mapping[str, Mapping[str, Any]]) -> str:
         for kind in ("common", "new"):
             for task, one in found[kind].items():
                 numbers = [f"{one[name]:.2f}" if name in one else "-" for name in columns]
-                apart = fmean(one["decoded_difference"][axis] for axis in ("dx", "dy", "dz"))
                 name = f"{task} (new)" if kind == "new" else task
-                rows.append([transfer, name, *numbers, f"{apart:.3f}"])
+                rows.append([transfer, name, *numbers, _position(one["decoded_difference"])])
     return markdown(header, rows)
+
+
+def _position(by_dimension: Mapping[str, float]) -> str:
+    """The mean over the position actions; a dash for arms whose actions are no positions."""
+    axes = ("dx", "dy", "dz")
+    if not set(axes) <= set(by_dimension):
+        return "-"
+    return f"{fmean(by_dimension[axis] for axis in axes):.3f}"
 
 
 def stage_table(stages: Mapping[str, Mapping[str, StageRun]]) -> str:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Literal
 
 import torch
+from torch import Tensor
 
 from lfr.artifacts import fingerprint
+from lfr.brought import BroughtArm
 from lfr.jobs import run_jobs
 from lfr.mapping.artifacts import MappingSeen, save_generator
 from lfr.mapping.report import common_report, decoded_difference, new_task_report
@@ -17,6 +20,8 @@ from lfr.mapping.training import CommonTask, MappingParams, train_mapping
 from lfr.scenarios import Role, Scenario, Transfer
 from lfr.skills.artifacts import load_prior, load_vae
 from lfr.skills.demonstrations import DATASETS, Demonstrations, balanced, read_visible
+from lfr.skills.prior import SkillPrior
+from lfr.skills.symmetry import AS_RECORDED
 
 
 @dataclass(frozen=True)
@@ -28,6 +33,8 @@ class MappingJob:
         skills: folder of the transfer's skill models.
         folder: where ``g`` and ``f`` are saved.
         seed: of the skills' split and, with the transfer's name, of this training.
+        datasets: folder of the datasets of arms that this project simulates.
+        arms: those that are brought, by name.
     """
 
     scenario: Scenario
@@ -38,6 +45,7 @@ class MappingJob:
     skills: str
     folder: str
     datasets: str
+    arms: Mapping[str, BroughtArm] = field(default_factory=dict)
 
 
 def train_models(
@@ -49,10 +57,13 @@ def train_models(
     skills: Path,
     work: Path,
     datasets: Path = DATASETS,
+    arms: Mapping[str, BroughtArm] = MappingProxyType({}),
 ) -> dict[str, Any]:
     """Train ``work/models/{g,f}``; the report on held-out states."""
-    folder = str(work / "models")
-    job = MappingJob(scenario, transfer, params, held_out, seed, str(skills), folder, str(datasets))
+    job = MappingJob(
+        scenario, transfer, _suited(params, arms), held_out, seed, str(skills),
+        str(work / "models"), str(datasets), dict(arms),
+    )  # fmt: skip
     description = f"mapping {transfer.name}"
     return run_jobs(fit_mapping, [job], work=work, description=description, unit="mapping")[0]
 
@@ -64,13 +75,15 @@ def fit_mapping(job: MappingJob) -> dict[str, Any]:
     source = _read(job, transfer.source, "source", (*transfer.common, transfer.task))
     target = _read(job, transfer.target, "target", transfer.common)
     known = _common(job, source, target, "training_states")
-    windows = {
-        f"{role}-{task}": demonstrations[task].training.actions
-        for role, demonstrations in (("source", source), ("target", target))
-        for task in transfer.common
-    }
     seed = int(fingerprint(transfer.name, job.seed), 16) % 2**31
-    g, f = train_mapping(list(known.values()), vaes, balanced(windows, seed), job.params, seed)
+    windows = None
+    if job.params.posterior_share:  # which needs actions that mean the same to both arms
+        arms = (("source", source), ("target", target))
+        windows = balanced(
+            {f"{role}-{task}": demonstrations[task].training.actions
+             for role, demonstrations in arms for task in transfer.common}, seed,
+        )  # fmt: skip
+    g, f = train_mapping(list(known.values()), vaes, windows, job.params, seed)
 
     learned = [arm[task] for arm in (source, target) for task in transfer.common]
     seen = MappingSeen(
@@ -83,20 +96,29 @@ def fit_mapping(job: MappingJob) -> dict[str, Any]:
     held_out = _common(job, source, target, "held_out_states")
     new = load_prior(skills / "source" / f"prior-{transfer.task}", source[transfer.task].names)
     new_states = source[transfer.task].held_out_states
+    spaces = source[transfer.task].actions, target[transfer.common[0]].actions
+
+    def decoded(prior: SkillPrior, states: Tensor) -> dict[str, float]:
+        """Nothing where the arms' actions are different things."""
+        if spaces[0] != spaces[1]:
+            return {}
+        rms = decoded_difference(prior, states, g, *vaes).tolist()
+        return dict(zip(spaces[0].names, rms, strict=True))
+
     return {
         "source": transfer.source,
         "target": transfer.target,
         "common": {
             task: {
                 **common_report(one, g, f),
-                "decoded_difference": decoded_difference(one.prior_x, one.observations, g, *vaes),
+                "decoded_difference": decoded(one.prior_x, one.observations),
             }
             for task, one in held_out.items()
         },
         "new": {
             transfer.task: {
                 **new_task_report(new, new_states, g, f),
-                "decoded_difference": decoded_difference(new, new_states, g, *vaes),
+                "decoded_difference": decoded(new, new_states),
             }
         },
     }
@@ -127,4 +149,12 @@ def _read(
     return read_visible(
         job.scenario, robot, role, tasks,
         horizon=horizon, held_out=job.held_out, seed=job.seed, folder=Path(job.datasets),
+        arm=job.arms.get(robot),
     )  # fmt: skip
+
+
+def _suited(params: MappingParams, arms: Mapping[str, BroughtArm]) -> MappingParams:
+    """Without moved scenes and shared windows where it is not known what they mean to an arm."""
+    if all(arm.cartesian for arm in arms.values()):
+        return params
+    return replace(params, symmetry=AS_RECORDED, posterior_share=0.0)

@@ -10,14 +10,11 @@ task, so the two can be compared.
 
 from __future__ import annotations
 
-from typing import Any
-
 import torch
 from torch import Tensor
 
 from lfr.mapping.generator import Generator
 from lfr.mapping.training import CommonTask, paired
-from lfr.robots import ACTION_NAMES
 from lfr.skills.prior import SkillPrior
 from lfr.skills.vae import SkillVAE
 
@@ -53,16 +50,15 @@ def new_task_report(
 @torch.no_grad()
 def decoded_difference(
     prior_x: SkillPrior, observations: Tensor, g: Generator, source: SkillVAE, target: SkillVAE
-) -> dict[str, Any]:
-    """Root-mean-square difference, per action dimension, of the mean skill as either arm does it.
+) -> Tensor:
+    """Root-mean-square difference (A,), per action dimension, of the mean skill as either does it.
 
     Not an error in itself: the arms may have to move differently. On the common tasks both
     demonstrators' actions are much alike, so there it is mostly one.
     """
     mu, log_sigma = prior_x(observations)
     here, there = source.decode(mu), target.decode(g(mu, log_sigma)[0])
-    rms = (here - there).square().mean(dim=(0, 1)).sqrt().tolist()
-    return dict(zip(ACTION_NAMES, rms, strict=True))
+    return (here - there).square().mean(dim=(0, 1)).sqrt()
 
 
 def l1(predicted: Tensor, expected: Tensor) -> float:

@@ -12,7 +12,7 @@ from lfr.mapping.losses import mapping_loss
 from lfr.skills.augmentation import augment
 from lfr.skills.prior import SkillPrior
 from lfr.skills.symmetry import SymmetryParams, moved_states
-from lfr.skills.vae import SkillVAE
+from lfr.skills.vae import CHUNK, SkillVAE
 
 
 @dataclass(frozen=True)
@@ -22,12 +22,12 @@ class MappingParams:
     hidden: int = 128
     layers: int = 3  # part V.A
     cycle_weight: float = 1.0  # lambda of Eq. 4
-    steps: int = 6000
+    steps: int = 4000
     batch: int = 256
     learning_rate: float = 1e-3
     symmetry: SymmetryParams = field(default_factory=SymmetryParams)  # of the states compared
     state_noise: float = 0.1  # of an input's normalised unit: states between and beside the demos
-    posterior_share: float = 0.0  # share of pairs that are both encoders' posteriors of one window
+    posterior_share: float = 0.25  # share of pairs that are both encoders' posteriors of one window
 
 
 @dataclass(frozen=True)
@@ -48,15 +48,17 @@ class CommonTask:
 @torch.no_grad()
 def paired(task: CommonTask, observations: Tensor) -> tuple[Tensor, Tensor]:
     """k_x and k_y (B, 2Z): what either arm would do in the same states (lines 5 to 7)."""
-    k_x = torch.cat(task.prior_x(observations), dim=-1)
-    k_y = torch.cat(task.prior_y(observations), dim=-1)
+    k_x, k_y = (
+        torch.cat([torch.cat(prior(some), dim=-1) for some in observations.split(CHUNK)])
+        for prior in (task.prior_x, task.prior_y)
+    )
     return k_x, k_y
 
 
 def train_mapping(
     tasks: list[CommonTask],
     encoders: tuple[SkillVAE, SkillVAE],
-    actions: Tensor,
+    actions: Tensor | None,
     params: MappingParams,
     seed: int,
 ) -> tuple[Generator, Generator]:
@@ -70,7 +72,7 @@ def train_mapping(
         tasks: the common tasks; each is drawn equally often.
         encoders: the source's and the target's skill VAE.
         actions: (N, H, A), windows of the common tasks of both arms, used if
-            ``posterior_share`` > 0.
+            ``posterior_share`` > 0; None else.
     """
     torch.manual_seed(seed)
     generator = torch.Generator().manual_seed(seed)
@@ -98,7 +100,7 @@ def train_mapping(
     per_task = (params.batch - posteriors) // len(tasks)
     for _ in range(params.steps):
         pairs = [_sample(task, per_task, params.state_noise, generator) for task in tasks]
-        if posteriors:
+        if posteriors and actions is not None:
             pairs.append(_posteriors(encoders, actions, posteriors, generator))
         k_x = torch.cat([pair[0] for pair in pairs])
         k_y = torch.cat([pair[1] for pair in pairs])

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from lfr.columns import ActionSpace
 from lfr.errors import DataError
 from lfr.models import ModelKind, load_seen_as
 from lfr.skills.prior import SkillPrior
@@ -24,6 +25,8 @@ class Seen:
         tasks: the tasks whose demonstrations reached it.
         datasets: dataset name -> SHA-256 of its rows.
         seed: of the training.
+        actions: the names of the action's dimensions, and what -1 and 1 stand for; None where the
+            model does not say.
     """
 
     scenario: str
@@ -32,6 +35,7 @@ class Seen:
     tasks: tuple[str, ...]
     datasets: dict[str, str]
     seed: int
+    actions: ActionSpace | None = None
 
 
 def save_vae(folder: Path, vae: SkillVAE, seen: Seen) -> None:

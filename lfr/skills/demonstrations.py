@@ -10,9 +10,12 @@ import torch
 from torch import Tensor
 
 from lfr.artifacts import file_hash
+from lfr.brought import BroughtArm
+from lfr.columns import ActionSpace
+from lfr.data.brought import read_brought
 from lfr.data.checks import check_dataset
 from lfr.data.episode import FPS, JOINT_POSITION, features
-from lfr.data.windows import WindowBatch, Windows, read_dataset
+from lfr.data.windows import DemonstrationSet, WindowBatch, Windows, read_dataset
 from lfr.errors import DataError
 from lfr.scenarios import Role, Scenario, check_visible
 from lfr.sim.layout import ObservationLayout
@@ -29,9 +32,10 @@ class Demonstrations:
     hold its last skill too.
 
     Attributes:
-        dataset: name of the dataset, ``<robot>-<task>``.
+        dataset: name of the dataset, ``<robot>-<task>`` where it is this project's own.
         digest: SHA-256 of the dataset's rows.
         names: of the observation's dimensions.
+        actions: the names of the action's dimensions, and what -1 and 1 stand for.
         training, held_out: windows of different episodes.
         training_states, held_out_states: (N, D), every state of these episodes.
     """
@@ -39,6 +43,7 @@ class Demonstrations:
     dataset: str
     digest: str
     names: tuple[str, ...]
+    actions: ActionSpace
     training: WindowBatch
     held_out: WindowBatch
     training_states: Tensor
@@ -55,6 +60,7 @@ def read_visible(
     held_out: float,
     seed: int,
     folder: Path = DATASETS,
+    arm: BroughtArm | None = None,
 ) -> dict[str, Demonstrations]:
     """The robot's demonstrations of ``tasks``, for a model in this role.
 
@@ -62,6 +68,8 @@ def read_visible(
         horizon: H, actions of a window.
         held_out: share of each dataset's episodes kept from training; which ones depends on
             ``seed`` and the dataset's size alone, so they are the same for every model.
+        folder: of the datasets of arms that this project simulates.
+        arm: the robot, where it is brought; its mapping says where the datasets are.
 
     Raises:
         LfrError: a task is hidden from this robot in this role; nothing has been read then.
@@ -70,22 +78,25 @@ def read_visible(
     check_visible(scenario, robot, role, tasks)
     return {
         task: read_demonstrations(
-            folder / f"{robot}-{task}", robot, task, horizon=horizon, held_out=held_out, seed=seed
+            arm.dataset(task) if arm else folder / f"{robot}-{task}", robot, task,
+            horizon=horizon, held_out=held_out, seed=seed, arm=arm,
         )
         for task in tasks
-    }
+    }  # fmt: skip
 
 
 def read_demonstrations(
-    path: Path, robot: str, task: str, *, horizon: int, held_out: float, seed: int
+    path: Path,
+    robot: str,
+    task: str,
+    *,
+    horizon: int,
+    held_out: float,
+    seed: int,
+    arm: BroughtArm | None = None,
 ) -> Demonstrations:
     """One dataset, whoever asks; `read_visible` holds the leak rule."""
-    layout = ObservationLayout.of(task_named(task))
-    expected = features(layout.state_names, layout.environment_names)
-    # Joint names differ by robot, and nothing here learns from them.
-    needed = {key: f for key, f in expected.items() if key != JOINT_POSITION}
-    check_dataset(path, features=needed, fps=FPS, robot=robot, task=task)
-    found = read_dataset(path)
+    found = read_brought(arm, task) if arm else _read_recorded(path, robot, task)
     training, kept = found.split(held_out, seed)
     windows = [Windows(part, horizon, padded=False).all() for part in (training, kept)]
     if not len(windows[0].actions):
@@ -97,11 +108,21 @@ def read_demonstrations(
         dataset=path.name,
         digest=file_hash(path / "data"),
         names=found.observation_names,
+        actions=found.action_space,
         training=windows[0],
         held_out=windows[1],
         training_states=training.observations,
         held_out_states=kept.observations,
     )
+
+
+def _read_recorded(path: Path, robot: str, task: str) -> DemonstrationSet:
+    layout = ObservationLayout.of(task_named(task))
+    expected = features(layout.state_names, layout.environment_names)
+    # Joint names differ by robot, and nothing here learns from them.
+    needed = {key: f for key, f in expected.items() if key != JOINT_POSITION}
+    check_dataset(path, features=needed, fps=FPS, robot=robot, task=task)
+    return read_dataset(path)
 
 
 def balanced(windows: Mapping[str, Tensor], seed: int) -> Tensor:

@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import torch
+from torch import Tensor
 
 from lfr.artifacts import fingerprint
+from lfr.brought import BroughtArm
+from lfr.data.windows import WindowBatch
 from lfr.jobs import run_jobs
-from lfr.robots import ACTION_NAMES
 from lfr.scenarios import Role, Scenario, Transfer, visible_tasks
 from lfr.skills.artifacts import Seen, load_vae, save_prior, save_vae
 from lfr.skills.demonstrations import DATASETS, Demonstrations, balanced, read_visible
 from lfr.skills.gaussian import kl_divergence, kl_to_standard_normal
 from lfr.skills.params import SkillsParams
+from lfr.skills.prior import SkillPrior
+from lfr.skills.symmetry import AS_RECORDED
 from lfr.skills.training import train_prior, train_vae
-from lfr.skills.vae import SkillVAE, reconstruction_rmse
+from lfr.skills.vae import CHUNK, SkillVAE, reconstruction_rmse
 
 
 @dataclass(frozen=True)
@@ -28,7 +33,8 @@ class ModelJob:
     Attributes:
         folder: of this transfer's models.
         task: None for the VAE.
-        datasets: folder of the datasets.
+        datasets: folder of the datasets of arms that this project simulates.
+        arm: the robot, where it is brought.
     """
 
     scenario: Scenario
@@ -39,6 +45,7 @@ class ModelJob:
     seed: int
     folder: str
     datasets: str
+    arm: BroughtArm | None = None
 
     @property
     def vae(self) -> Path:
@@ -50,8 +57,9 @@ class ModelJob:
 
 
 def roles_of(transfer: Transfer) -> dict[Role, str]:
-    """The arm in each role of a transfer."""
-    return {"source": transfer.source, "target": transfer.target, "oracle": transfer.target}
+    """The arm in each role of a transfer; no oracle where nobody has shown it the new task."""
+    roles: dict[Role, str] = {"source": transfer.source, "target": transfer.target}
+    return {**roles, "oracle": transfer.target} if transfer.oracle else roles
 
 
 def prior_tasks(scenario: Scenario, robot: str, role: Role) -> tuple[str, ...]:
@@ -70,8 +78,13 @@ def train_models(
     seed: int,
     work: Path,
     datasets: Path = DATASETS,
+    arms: Mapping[str, BroughtArm] = MappingProxyType({}),
 ) -> dict[str, dict[str, Any]]:
     """Train source, target and oracle into ``work/models/<role>/{vae,prior-<task>}``.
+
+    Args:
+        datasets: folder of the datasets of arms that this project simulates.
+        arms: those that are brought, by name.
 
     Returns:
         By role: robot, tasks seen, and on held-out episodes the VAE's reconstruction error per
@@ -81,7 +94,10 @@ def train_models(
 
     def job(role: Role, robot: str, task: str | None) -> ModelJob:
         folder = str(work / "models")
-        return ModelJob(scenario, robot, role, task, params, seed, folder, str(datasets))
+        return ModelJob(
+            scenario, robot, role, task, _suited(params, arms.get(robot)), seed, folder,
+            str(datasets), arms.get(robot),
+        )  # fmt: skip
 
     roles = roles_of(transfer)
     vaes = [job(role, robot, None) for role, robot in roles.items()]
@@ -129,22 +145,25 @@ def fit_prior(job: ModelJob) -> dict[str, Any]:
     start, actions = known.training.observations, known.training.actions
     prior = train_prior(vae, start, actions, known.names, job.params.prior, seed)
     save_prior(job.prior, prior, _seen(job, demonstrations))
-    report = {}
-    for name, windows in (("training", known.training), ("held_out", known.held_out)):
-        with torch.no_grad():
-            posterior = vae.encode(windows.actions)
-            kl = kl_divergence(*posterior, *prior(windows.observations))
-        report[f"kl_{name}"] = _mean(kl)
-    return report
+    return {
+        "kl_training": _mean(divergence(vae, prior, known.training)),
+        "kl_held_out": _mean(divergence(vae, prior, known.held_out)),
+    }
+
+
+@torch.no_grad()
+def divergence(vae: SkillVAE, prior: SkillPrior, windows: WindowBatch) -> Tensor:
+    """KL(q(z|a) || p_a(z|s)) of every window, (B,), some at a time to spare memory."""
+    pairs = zip(windows.actions.split(CHUNK), windows.observations.split(CHUNK), strict=True)
+    return torch.cat([kl_divergence(*vae.encode(a), *prior(seen)) for a, seen in pairs])
 
 
 def vae_report(vae: SkillVAE, known: Demonstrations) -> dict[str, Any]:
     """Reconstruction error per action dimension and KL(q || N(0, I)), on held-out windows."""
     actions = known.held_out.actions
     rmse = reconstruction_rmse(vae, actions).tolist()
-    with torch.no_grad():
-        kl = kl_to_standard_normal(*vae.encode(actions))
-    return {"rmse": dict(zip(ACTION_NAMES, rmse, strict=True)), "kl": _mean(kl)}
+    kl = kl_to_standard_normal(*vae.encode_all(actions))
+    return {"rmse": dict(zip(known.actions.names, rmse, strict=True)), "kl": _mean(kl)}
 
 
 def model_seed(job: ModelJob) -> int:
@@ -161,16 +180,25 @@ def _read(job: ModelJob, tasks: tuple[str, ...]) -> Mapping[str, Demonstrations]
     return read_visible(
         job.scenario, job.robot, job.role, tasks,
         horizon=job.params.vae.horizon, held_out=job.params.held_out, seed=job.seed,
-        folder=Path(job.datasets),
+        folder=Path(job.datasets), arm=job.arm,
     )  # fmt: skip
 
 
 def _seen(job: ModelJob, demonstrations: Mapping[str, Demonstrations]) -> Seen:
     digests = {known.dataset: known.digest for known in demonstrations.values()}
     scenario, tasks = job.scenario.name, tuple(demonstrations)
-    return Seen(scenario, job.robot, job.role, tasks, digests, model_seed(job))
+    actions = next(iter(demonstrations.values())).actions
+    return Seen(scenario, job.robot, job.role, tasks, digests, model_seed(job), actions)
 
 
-def _mean(values: torch.Tensor) -> float | None:
+def _suited(params: SkillsParams, arm: BroughtArm | None) -> SkillsParams:
+    """Without moved scenes where it is not known how this arm's actions move with them."""
+    if arm is None or arm.cartesian:
+        return params
+    vae, prior = replace(params.vae, augment=0.0), replace(params.prior, symmetry=AS_RECORDED)
+    return replace(params, vae=vae, prior=prior)
+
+
+def _mean(values: Tensor) -> float | None:
     """None where no held-out episode is long enough for a window."""
     return float(values.mean()) if len(values) else None

@@ -17,15 +17,23 @@ from torch import Tensor
 
 from lfr.errors import LfrError
 
+MOST_ROWS = 2**19
+"""Of demonstrations and their copies together: a bound on memory, which fifty episodes are far
+from. The more there are, the less they need copies."""
+
 
 @dataclass(frozen=True)
 class SymmetryParams:
     """How far demonstrations are moved; zero and False keep them as they are, as in the paper."""
 
-    copies: int = 16  # moved copies of each window beside the window itself
+    copies: int = 16  # moved copies of each window beside the window itself, within MOST_ROWS
     turn: float = 1.0  # rad, bound on the rotation about the vertical through the base
     shift: float = 0.1  # m, bound on the horizontal shift; half of it up and down
     mirror: bool = True
+
+    def copies_of(self, rows: int) -> int:
+        """How many copies so many rows get."""
+        return max(0, min(self.copies, MOST_ROWS // max(rows, 1) - 1))
 
 
 @dataclass(frozen=True)
@@ -107,10 +115,11 @@ def moved_copies(
     params: SymmetryParams,
     generator: torch.Generator,
 ) -> tuple[Tensor, Tensor]:
-    """The windows (N, D), (N, H, 7) and ``copies`` moved ones of each after them."""
-    if params.copies == 0:
+    """The windows (N, D), (N, H, 7) and moved copies of each after them."""
+    copies = params.copies_of(len(observations))
+    if copies == 0:
         return observations, actions
-    many_o, many_a = observations.repeat(params.copies, 1), actions.repeat(params.copies, 1, 1)
+    many_o, many_a = observations.repeat(copies, 1), actions.repeat(copies, 1, 1)
     motion = SceneMotion.draw(len(many_o), params, generator)
     seen = torch.cat([observations, move_observations(many_o, names, motion)])
     done = torch.cat([actions, move_actions(many_a, motion)])
@@ -120,11 +129,17 @@ def moved_copies(
 def moved_states(
     observations: Tensor, names: Sequence[str], params: SymmetryParams, generator: torch.Generator
 ) -> Tensor:
-    """The observations (N, D) and ``copies`` moved ones of each after them."""
-    many = observations.repeat(params.copies, 1)
+    """The observations (N, D) and moved copies of each after them."""
+    copies = params.copies_of(len(observations))
+    if copies == 0:
+        return observations
+    many = observations.repeat(copies, 1)
     motion = SceneMotion.draw(len(many), params, generator)
     return torch.cat([observations, move_observations(many, names, motion)])
 
+
+AS_RECORDED = SymmetryParams(copies=0, turn=0.0, shift=0.0, mirror=False)
+"""For arms of which it is not known how their actions move with the scene."""
 
 FULL_TURN = SymmetryParams(copies=1, turn=math.pi, shift=0.0)
 """For the VAE, whose windows have no place in the scene: any direction is as good."""

@@ -56,8 +56,7 @@ def train_prior(
     prior = SkillPrior(names, vae.latent_dim, params.hidden, params.layers)
     observations, actions = moved_copies(observations, actions, names, params.symmetry, generator)
     prior.normalizer.fit(observations, names)
-    with torch.no_grad():
-        mu_z, log_sigma_z = vae.encode(actions)
+    mu_z, log_sigma_z = vae.encode_all(actions)
     optimizer = torch.optim.AdamW(
         prior.network.parameters(),
         params.learning_rate,

@@ -12,6 +12,7 @@ from torch import Tensor, nn
 from lfr.skills.gaussian import kl_to_standard_normal, sample
 
 LOG_SIGMA_RANGE = (-6.0, 2.0)
+CHUNK = 2**14  # windows encoded together; an LSTM keeps H x hidden numbers of each
 
 
 class SkillVAE(nn.Module):
@@ -44,6 +45,12 @@ class SkillVAE(nn.Module):
         _, (hidden, _) = self.encoder(actions)
         mu, log_sigma = self.posterior(hidden[-1]).chunk(2, dim=-1)
         return mu, log_sigma.clamp(*LOG_SIGMA_RANGE)
+
+    @torch.no_grad()
+    def encode_all(self, actions: Tensor) -> tuple[Tensor, Tensor]:
+        """`encode` without gradients for any number of windows, some at a time to spare memory."""
+        parts = [self.encode(some) for some in actions.split(CHUNK)]
+        return torch.cat([mu for mu, _ in parts]), torch.cat([sigma for _, sigma in parts])
 
     def reconstruct(self, z: Tensor) -> Tensor:
         """The decoder's mean action sequence, unclipped, (B, H, A): what Eq. 3 compares."""
@@ -80,6 +87,9 @@ def vae_loss(vae: SkillVAE, actions: Tensor, alpha: float) -> tuple[Tensor, dict
 
 def reconstruction_rmse(vae: SkillVAE, actions: Tensor) -> Tensor:
     """Root-mean-square error per action dimension, (A,), of the posterior mean's decoding."""
+    squares = torch.zeros(vae.action_dim, dtype=torch.float64)
     with torch.no_grad():
-        decoded = vae.decode(vae.encode(actions)[0])
-    return (decoded - actions).square().mean(dim=(0, 1)).sqrt()
+        for some in actions.split(CHUNK):
+            decoded = vae.decode(vae.encode(some)[0])
+            squares += (decoded - some).square().sum(dim=(0, 1), dtype=torch.float64)
+    return (squares / actions[..., 0].numel()).sqrt().float()

@@ -16,7 +16,7 @@ from lfr.errors import ParameterError
 class TransferParams:
     """How a transferred policy is improved on the target arm (Algorithm 2)."""
 
-    steps: int = 50_000  # environment (control) steps, warm-up included
+    steps: int = 40_000  # environment (control) steps, warm-up included
     reward: Literal["sparse", "dense"] = "sparse"
     dense_scale: float = 0.1  # a skill's summed dense reward is then at most 1, as the sparse one
     train_phi: bool = True  # the paper trains the extended policy; False keeps Eq. 7's phi fixed
@@ -26,9 +26,9 @@ class TransferParams:
     critic_lr: float = 1e-3  # paper
     gamma: float = 0.99  # paper; per skill, as in SPiRL, not per control step
     tau: float = 5e-3  # SPiRL; Polyak averaging of the target critics
-    updates_per_skill: float = 4.0  # SPiRL 1; a skill's H control steps cost more than an update
+    updates_per_skill: float = 3.0  # SPiRL 1; a skill's H control steps cost more than an update
     policy_every: int = 2  # updates of the critics to one of the policy (TD3; RLPD and REDQ: 20)
-    warm_up: int = 1_000  # environment steps in which the policy stays phi(p_a); critics learn
+    warm_up: int = 6_000  # environment steps in which the policy stays phi(p_a); critics learn
     replay: int = 100_000  # skills
 
     critics: int = 2

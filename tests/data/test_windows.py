@@ -8,6 +8,7 @@ import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from lfr.columns import ActionSpace
 from lfr.data.log_reader import read_log
 from lfr.data.windows import DemonstrationSet, Windows, read_dataset
 from lfr.errors import DataError
@@ -26,7 +27,7 @@ def demonstrations(lengths: list[int]) -> DemonstrationSet:
         successes=rows > 0,
         starts=torch.tensor([0, *np.cumsum(lengths)]),
         observation_names=("a", "b"),
-        action_names=("c",),
+        action_space=ActionSpace(("c",), (-1.0,), (1.0,)),
         robot="panda",
         task="lift",
         fps=20,
@@ -48,7 +49,7 @@ def test_the_rows_are_the_logs(packed: Path, logs: list[Path]) -> None:
         np.testing.assert_array_equal(values, np.concatenate([e[key] for e in episodes]))
     assert found.lengths.tolist() == list(LENGTHS)
     assert found.observation_names == made_up.STATE_NAMES + made_up.ENVIRONMENT_NAMES
-    assert found.action_names[-1] == "gripper"
+    assert found.action_space.names[-1] == "gripper"
     assert (found.robot, found.task, found.fps) == ("panda", "lift", 20)
     assert found.seeds == (0, 1, 2, 3)
 

@@ -20,7 +20,12 @@ from lfr.tasks import task
 Z = 3
 NAMES = ObservationLayout.of(task("lift")).names
 PARAMS = MappingParams(
-    hidden=64, steps=600, batch=64, learning_rate=3e-3, symmetry=SymmetryParams(copies=0)
+    hidden=64,
+    steps=600,
+    batch=64,
+    learning_rate=3e-3,
+    symmetry=SymmetryParams(copies=0),
+    posterior_share=0.0,
 )
 ROTATION = torch.linalg.qr(torch.randn(Z, Z, generator=torch.Generator().manual_seed(4)))[0]
 
@@ -103,8 +108,8 @@ def test_decoders_of_one_space_agree_through_the_mapping(
     target.load_state_dict(source.state_dict())
     mapped = decoded_difference(tasks[0].prior_x, states(100, 7), g, source, target)
     class_blind = decoded_difference(tasks[0].prior_x, states(100, 7), g, source, source)
-    assert sum(mapped.values()) < 0.3 * sum(class_blind.values())
-    assert list(mapped) == ["dx", "dy", "dz", "drx", "dry", "drz", "gripper"]
+    assert mapped.shape == (7,)
+    assert mapped.sum() < 0.3 * class_blind.sum()
 
 
 @pytest.mark.parametrize("posterior_share", [0.0, 0.5])

@@ -12,11 +12,13 @@ from lfr.demos.expert import Expert, ExpertParams
 from lfr.errors import LfrError
 from lfr.sim.layout import ObservationLayout
 from lfr.skills.symmetry import (
+    MOST_ROWS,
     SceneMotion,
     SymmetryParams,
     move_actions,
     move_observations,
     moved_copies,
+    moved_states,
 )
 from lfr.tasks import TASKS
 
@@ -121,3 +123,19 @@ def test_no_copies_are_the_demonstrations_themselves() -> None:
 def test_an_unknown_quantity_is_refused() -> None:
     with pytest.raises(LfrError, match="wrist_torque"):
         move_observations(torch.zeros(1, 1), ["wrist_torque.x"], motion(0.1, 1.0, (0.0, 0.0)))
+
+
+@given(rows=st.integers(1, 2 * MOST_ROWS), copies=st.integers(0, 40))
+def test_copies_end_where_memory_would(rows: int, copies: int) -> None:
+    made = SymmetryParams(copies=copies).copies_of(rows)
+    assert 0 <= made <= copies
+    assert made == 0 or rows * (made + 1) <= MOST_ROWS
+    assert made == copies or rows * (made + 2) > MOST_ROWS  # not fewer than there is room for
+
+
+def test_states_of_unknown_quantities_are_left_alone_without_copies() -> None:
+    names, states = ["joint_1.pos", "joint_2.pos"], torch.ones(3, 2)
+    generator = torch.Generator().manual_seed(0)
+    assert moved_states(states, names, SymmetryParams(copies=0), generator) is states
+    with pytest.raises(LfrError, match="joint_1"):
+        moved_states(states, names, SymmetryParams(copies=1), generator)

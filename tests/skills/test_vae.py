@@ -79,3 +79,16 @@ def test_the_first_actions_of_a_skill_are_carried_out() -> None:
     some = SkillVAE(4, 7, 3, 8, execute=2)
     assert torch.equal(some.carry_out(z), some.decode(z)[:, :2])
     assert some.decode(z).shape == (5, 4, 7)
+
+
+def test_many_windows_are_encoded_some_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    torch.manual_seed(0)
+    vae, actions = SkillVAE(4, 7, 3, 16), torch.rand(11, 4, 7) - 0.5
+    mu, log_sigma = vae.encode(actions)
+    rmse = reconstruction_rmse(vae, actions)
+    monkeypatch.setattr("lfr.skills.vae.CHUNK", 4)
+    found = vae.encode_all(actions)
+    torch.testing.assert_close(found, (mu.detach(), log_sigma.detach()))
+    assert not found[0].requires_grad
+    torch.testing.assert_close(reconstruction_rmse(vae, actions), rmse)
+    assert vae.encode_all(actions[:0])[0].shape == (0, 3)

@@ -1,0 +1,124 @@
+"""Arms that this project does not simulate: section ``brought`` of params.yaml.
+
+Each is known by LeRobot datasets alone. Skill models and mappings are learned from these; what
+needs a simulator, such as success rates and transfer learning, is left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from lfr.columns import ActionPart, Columns, Part
+from lfr.errors import UnknownNameError
+from lfr.params import PARAMS, from_mapping, read_yaml
+from lfr.robots import ROBOTS
+
+SECTION = "brought"
+
+
+@dataclass(frozen=True)
+class BroughtTask:
+    """An arm's demonstrations of one task.
+
+    Attributes:
+        instruction: the task in the dataset's words; None takes all episodes of the dataset.
+        path: the dataset, where it is not the arm's.
+        observation: its parts, where they are not the arm's.
+    """
+
+    instruction: str | None = None
+    path: Path | None = None
+    observation: tuple[Part, ...] = ()
+
+
+@dataclass(frozen=True)
+class BroughtArm:
+    """An arm by its LeRobot v3.0 datasets.
+
+    Attributes:
+        fps: control steps per second, which every dataset must have.
+        tasks: by their names in scenarios.
+        observation: parts of the observation, for tasks that name none of their own.
+        action: the action.
+        path: the dataset, for tasks that name none of their own.
+        robot_type: what every dataset must say of its robot; None takes any.
+        cartesian: actions and observations are named and scaled as this project's own
+            (docs/data.md), so demonstrations of turned, mirrored and shifted scenes count too.
+    """
+
+    fps: int
+    tasks: dict[str, BroughtTask]
+    observation: tuple[Part, ...] = ()
+    action: ActionPart = field(default_factory=ActionPart)
+    path: Path | None = None
+    robot_type: str | None = None
+    cartesian: bool = False
+
+    def __post_init__(self) -> None:
+        for name, task in self.tasks.items():
+            for what in ("path", "observation"):
+                if not (getattr(task, what) or getattr(self, what)):
+                    raise ValueError(f"no {what} for task {name!r}, nor one of the arm")
+
+    def dataset(self, task: str) -> Path:
+        """The folder of a task's dataset."""
+        path = self._task(task).path or self.path
+        assert path is not None
+        return path
+
+    def columns(self, task: str) -> Columns:
+        """How the rows of a task's dataset become observations and actions."""
+        return Columns(self._task(task).observation or self.observation, self.action)
+
+    def instruction(self, task: str) -> str | None:
+        """Which episodes of the dataset are of this task; None: all."""
+        return self._task(task).instruction
+
+    def _task(self, name: str) -> BroughtTask:
+        if name not in self.tasks:
+            raise UnknownNameError("task", name, self.tasks)
+        return self.tasks[name]
+
+
+@dataclass(frozen=True)
+class Brought:
+    """Section ``brought`` of params.yaml.
+
+    Attributes:
+        arms: by name.
+        scenarios: as section ``scenarios``, of these arms; `lfr.scenarios` reads them.
+        transfers: those whose skill models and mapping the pipeline trains.
+    """
+
+    arms: dict[str, BroughtArm] = field(default_factory=dict)
+    scenarios: dict[str, Any] = field(default_factory=dict)
+    transfers: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        taken = sorted(set(self.arms) & set(ROBOTS))
+        if taken:
+            raise ValueError(
+                f"{', '.join(taken)} is an arm that this project simulates; "
+                "give the one of your datasets another name"
+            )
+
+
+def brought(path: Path = PARAMS) -> Brought:
+    """The section as it stands in a YAML file; empty where there is none.
+
+    Raises:
+        ParameterError: it has an unknown, missing or mistyped key, or contradicts itself.
+    """
+    section = read_yaml(path).get(SECTION)
+    if section is None:
+        return Brought()
+    return from_mapping(Brought, section, f"{path}: {SECTION}")
+
+
+def brought_arms(robots: Iterable[str], path: Path = PARAMS) -> dict[str, BroughtArm]:
+    """Those of ``robots`` that are brought, by name."""
+    known = brought(path).arms
+    return {robot: known[robot] for robot in robots if robot in known}

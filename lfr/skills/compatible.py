@@ -1,0 +1,62 @@
+"""Whether two arms can be mapped onto each other: G and F compare them in the same states."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import zip_longest
+
+from lfr.brought import BroughtArm
+from lfr.data.brought import selected
+from lfr.data.episode import FPS
+from lfr.errors import DataError
+from lfr.scenarios import Scenario, transfers_of
+from lfr.sim.layout import ObservationLayout
+from lfr.tasks import TASKS
+
+def check_arms(scenario: Scenario, arms: Mapping[str, BroughtArm]) -> None:
+    """Hold both arms of a scenario to the same observation of each task, by metadata alone.
+
+    The source's prior of a task is asked about states of the target's, and the other way round;
+    so every dimension must mean the same to both. Nothing is asked of the actions.
+
+    Args:
+        arms: the brought ones, by name.
+
+    Raises:
+        DataError: an observation differs, or the rate of the control steps; or a dataset lacks a
+            column that the mapping names.
+    """
+    if not arms:
+        return
+    first, second = scenario.robots
+    rates = [arms[robot].fps if robot in arms else FPS for robot in (first, second)]
+    if rates[0] != rates[1]:
+        raise DataError(
+            f"{second} has another fps than {first}, so their skills would last differently; "
+            "resample one of them",
+            file="params.yaml", column="brought.arms", found=rates[1], expected=rates[0],
+        )  # fmt: skip
+    for task in scenario.common:
+        _compare(task, first, second, *(_names(robot, task, arms) for robot in (first, second)))
+    for transfer in transfers_of(scenario):  # the new task's columns, before anything is trained
+        _names(transfer.source, transfer.task, arms)
+
+
+def _names(robot: str, task: str, arms: Mapping[str, BroughtArm]) -> tuple[str, ...]:
+    if robot in arms:
+        return selected(arms[robot], task).observation_names
+    layout = ObservationLayout.of(TASKS[task])
+    return (*layout.state_names, *layout.environment_names)
+
+
+def _compare(
+    task: str, first: str, second: str, expected: tuple[str, ...], found: tuple[str, ...]
+) -> None:
+    for place, (wanted, given) in enumerate(zip_longest(expected, found)):
+        if wanted != given:
+            raise DataError(
+                f"{second} observes {task} otherwise than {first}; choose the same quantities of "
+                "both and call them alike under 'names'",
+                file="params.yaml", column=f"brought.arms, observation, dimension {place}",
+                found=given, expected=wanted,
+            )  # fmt: skip
