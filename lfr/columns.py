@@ -9,6 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 
+def _check_names(column: str, dims: Sequence[str | int], names: Sequence[str]) -> None:
+    if dims and names and len(dims) != len(names):
+        raise ValueError(f"{column}: found {len(names)} names for {len(dims)} dims")
+    for what, given in (("dims", dims), ("names", names)):
+        twice = [str(one) for one in dict.fromkeys(given) if list(given).count(one) > 1]
+        if twice:
+            raise ValueError(f"{column}: {', '.join(twice)} twice under {what}")
+
+
 @dataclass(frozen=True)
 class Part:
     """Dimensions of one column that go into the observation.
@@ -102,12 +111,3 @@ class ActionSpace:
 
     def _is_normal(self) -> bool:
         return set(self.low) == {-1.0} and set(self.high) == {1.0}
-
-
-def _check_names(column: str, dims: Sequence[str | int], names: Sequence[str]) -> None:
-    if dims and names and len(dims) != len(names):
-        raise ValueError(f"{column}: found {len(names)} names for {len(dims)} dims")
-    for what, given in (("dims", dims), ("names", names)):
-        twice = [str(one) for one in dict.fromkeys(given) if list(given).count(one) > 1]
-        if twice:
-            raise ValueError(f"{column}: {', '.join(twice)} twice under {what}")

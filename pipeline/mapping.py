@@ -4,10 +4,9 @@ import sys
 from pathlib import Path
 
 from lfr.brought import brought_arms
-from lfr.evaluation.chain import chain_trials
+from lfr.evaluation.chain import chain_trials, train_and_measure
 from lfr.evaluation.params import EvaluateParams
-from lfr.evaluation.trials import success_rates
-from lfr.mapping.models import train_models
+from lfr.mapping.models import mapping_job
 from lfr.mapping.training import MappingParams
 from lfr.params import read_section
 from lfr.program import run_stage
@@ -18,9 +17,9 @@ from lfr.skills.params import SkillsParams
 from pipeline._stage import SeedParams, models_into, rows_of, unfinished_work, write_metrics
 
 CODE = (
-    "lfr.mapping", "lfr.skills", "lfr.models", "lfr.data", "lfr.brought", "lfr.columns", "lfr.sim", "lfr.scenarios", "lfr.seeds",
-    "lfr.robots", "lfr.tasks", "lfr.evaluation.chain", "lfr.evaluation.policies",
-    "lfr.evaluation.rollouts", "lfr.evaluation.trials",
+    "lfr.mapping", "lfr.skills", "lfr.models", "lfr.data", "lfr.brought", "lfr.columns",
+    "lfr.sim", "lfr.scenarios", "lfr.seeds", "lfr.robots", "lfr.tasks", "lfr.evaluation.chain",
+    "lfr.evaluation.policies", "lfr.evaluation.rollouts", "lfr.evaluation.trials",
 )  # fmt: skip
 
 
@@ -49,14 +48,17 @@ def main(transfer: str) -> None:
         "mapping", transfer, chosen, params, held_out, seed, skills, arms, *inputs, code=CODE
     )
 
-    report = train_models(scenario, chosen, params, held_out, seed, skills, work, arms=arms)
+    models = work / "models"
+    job = mapping_job(scenario, chosen, params, held_out, seed, skills, models, arms=arms)
+    trials = {}
     if not arms:
         episodes = read_section(EvaluateParams, "evaluate").episodes
-        trials = chain_trials(chosen, skills, work / "models", episodes)
-        chain = success_rates(trials, work, f"chain {transfer}")
+        trials = chain_trials(chosen, skills, models, episodes)
+    report, chain = train_and_measure(job, trials, work, f"mapping {transfer}")
+    if chain:
         about = {"source": chosen.source, "target": chosen.target, "task": chosen.task}
         write_metrics("chain", transfer, {**about, "links": chain})
-    models_into(Path("models/mapping") / transfer, work / "models")
+    models_into(Path("models/mapping") / transfer, models)
     write_metrics("mapping", transfer, report)
 
 

@@ -19,9 +19,9 @@ from lfr.skills.params import SkillsParams
 from pipeline._stage import SeedParams, models_into, rows_of, unfinished_work, write_metrics
 
 CODE = (
-    "lfr.skills", "lfr.models", "lfr.data", "lfr.brought", "lfr.columns", "lfr.sim", "lfr.scenarios", "lfr.seeds", "lfr.robots",
-    "lfr.tasks", "lfr.evaluation.own_arm", "lfr.evaluation.policies", "lfr.evaluation.rollouts",
-    "lfr.evaluation.trials",
+    "lfr.skills", "lfr.models", "lfr.data", "lfr.brought", "lfr.columns", "lfr.sim",
+    "lfr.scenarios", "lfr.seeds", "lfr.robots", "lfr.tasks", "lfr.evaluation.own_arm",
+    "lfr.evaluation.policies", "lfr.evaluation.rollouts", "lfr.evaluation.trials",
 )  # fmt: skip
 
 

@@ -55,6 +55,18 @@ def dies_once(spec: Spec) -> int:
     return spec.number
 
 
+def reads_or_writes(spec: Spec) -> int:
+    """Number 0 writes the file that 1 to 3 read; 4 finds that it is not there yet."""
+    written = Path(spec.folder) / "written"
+    if spec.number == 0:
+        time.sleep(0.5)
+        written.write_text("0")
+        return 0
+    if spec.number == 4:
+        return 4 if written.exists() else -1
+    return spec.number + int(written.read_text())
+
+
 def dies(spec: int) -> None:
     os.kill(os.getpid(), signal.SIGKILL)
 

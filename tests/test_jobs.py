@@ -17,6 +17,7 @@ from lfr.artifacts import fingerprint
 from lfr.errors import DataError, LfrError, UnknownNameError
 from lfr.jobs import memory, peak_memory, report, run_jobs
 from lfr.jobs.here import run_here
+from lfr.jobs.order import Order
 from lfr.jobs.pool import run_in_pool
 from lfr.jobs.tally import Tally
 from lfr.progress import progress
@@ -35,12 +36,33 @@ def test_results_in_the_order_of_the_specs(workers: int) -> None:
     assert run_jobs(jobs.square, [], workers=workers) == []
 
 
+@pytest.mark.parametrize("workers", [1, 3])
+def test_a_job_starts_when_the_one_that_it_needs_is_done(workers: int, tmp_path: Path) -> None:
+    """Three readers of what the last job writes, slowly, and one that needs nobody."""
+    specs = [jobs.Spec(number, str(tmp_path)) for number in (1, 2, 3, 4, 0)]
+    after = {0: 4, 1: 4, 2: 4}
+    assert run_jobs(jobs.reads_or_writes, specs, after=after, workers=workers) == [1, 2, 3, -1, 0]
+
+
+def test_a_job_that_is_kept_holds_nobody_back(tmp_path: Path) -> None:
+    specs = [jobs.Spec(0, str(tmp_path)), jobs.Spec(1, str(tmp_path))]
+    work = tmp_path / "work"
+    run_jobs(jobs.reads_or_writes, specs[:1], workers=1, work=work)
+    assert run_jobs(jobs.reads_or_writes, specs, after={1: 0}, workers=2, work=work) == [0, 1]
+
+
+def test_a_job_that_died_is_waited_for(tmp_path: Path) -> None:
+    specs = [jobs.Spec(number, str(tmp_path)) for number in (1, 2, 3)]
+    found = run_jobs(jobs.dies_once, specs, after={1: 0, 2: 0}, workers=2)
+    assert found == [1, 2, 3]
+
+
 def test_the_same_bits_on_one_thread_wherever_it_runs() -> None:
     before = torch.get_num_threads()
     here = run_jobs(jobs.numerical, [0], workers=1)
     there: dict[int, list[float]] = {}
     with progress(1) as bar:  # one worker, so that torch is loaded once
-        run_in_pool(jobs.numerical, {0: 0}, 1, Tally(bar, there.__setitem__))
+        run_in_pool(jobs.numerical, {0: 0}, Order([0], {}), 1, Tally(bar, there.__setitem__))
     assert there == {0: here[0]}
     assert here[0][1] == 1
     assert torch.get_num_threads() == before
@@ -111,9 +133,9 @@ def test_the_bar_shows_the_sum_of_what_jobs_report(backend: str) -> None:
 
     tally = Tally(Bar(total=2, file=io.StringIO()), lambda index, result: None)
     if backend == "here":
-        run_here(jobs.reporting, {0: 2, 1: 2}, tally)
+        run_here(jobs.reporting, {0: 2, 1: 2}, Order([0, 1], {}), tally)
     else:
-        run_in_pool(jobs.reporting, {0: 2, 1: 2}, 2, tally)
+        run_in_pool(jobs.reporting, {0: 2, 1: 2}, Order([0, 1], {}), 2, tally)
     assert 0.5 in seen
     assert seen[-1] == 2
     assert max(seen) == 2

@@ -24,6 +24,7 @@ from types import SimpleNamespace
 from lfr.errors import LfrError
 from lfr.jobs import run_jobs
 from lfr.jobs.cluster import run_on_ray
+from lfr.jobs.order import Order
 from tests import made_up_jobs as jobs
 
 if __name__ == "__main__":
@@ -32,6 +33,8 @@ if __name__ == "__main__":
     more = [jobs.Spec(number, str(folder)) for number in (3, 2, 1)]
     found = {"squares": run_jobs(jobs.square, squares, work=folder / "work")}
     found["more"] = run_jobs(jobs.square, more, work=folder / "work")
+    chained = [jobs.Spec(number, str(folder)) for number in (1, 0)]
+    found["chained"] = run_jobs(jobs.reads_or_writes, chained, after={0: 1})
     found["numerical"] = run_jobs(jobs.numerical, [0])
     found["died"] = run_jobs(jobs.dies_once, more)
     found["heard"] = []
@@ -39,7 +42,7 @@ if __name__ == "__main__":
         report=lambda index, fraction: found["heard"].append(fraction),
         finish=lambda index, result: found["heard"].append(result),
     )
-    run_on_ray(jobs.reporting, {0: 8}, heard)
+    run_on_ray(jobs.reporting, {0: 8}, Order([0], {}), heard)
     try:
         run_jobs(jobs.unknown, ["x"])
     except LfrError as error:
@@ -72,6 +75,7 @@ def found(ray_address: str, tmp_path_factory: pytest.TempPathFactory) -> dict[st
 def test_the_same_results_and_none_twice(found: dict[str, Any]) -> None:
     assert found["squares"] == run_jobs(jobs.square, [jobs.Spec(3), jobs.Spec(1)])
     assert [result["square"] for result in found["more"]] == [9, 4, 1]
+    assert found["chained"] == [1, 0]
     assert found["ran"] == ["1", "2", "3"]
     assert found["numerical"] == run_jobs(jobs.numerical, [0], workers=1)
 

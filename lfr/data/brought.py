@@ -1,4 +1,4 @@
-"""The datasets of arms that are not this project's, checked and read by their mapping of columns."""
+"""Datasets of arms that are not this project's, checked and read by their mapping of columns."""
 
 from __future__ import annotations
 
@@ -7,10 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from lfr.brought import BroughtArm
-from lfr.columns import ActionSpace
 from lfr.data.checks import check_dataset
 from lfr.data.episode import Feature
-from lfr.data.selection import Selection, info_of, select
+from lfr.data.selection import Selection, select
 from lfr.data.tables import DatasetFiles
 from lfr.data.windows import DemonstrationSet, read_dataset
 from lfr.errors import DataError
@@ -26,14 +25,13 @@ def read_brought(arm: BroughtArm, task: str) -> DemonstrationSet:
             missing, another fps or robot, no episode of the task, a value that is not finite, or
             an action beyond its bounds. It names file, episode and column, found and expected.
     """
-    path = arm.dataset(task)
-    selection = selected(arm, task)
+    path, columns = arm.dataset(task), arm.columns(task)
+    selected(arm, task)  # a column that is missing is told before its values are looked at
     features = DatasetFiles.open(path).features
-    columns = arm.columns(task)
     needed = {key: Feature(key, features[key]["dtype"], None, "") for key in columns.needed}
     check_dataset(path, features=needed, fps=arm.fps, robot=arm.robot_type)
     found = read_dataset(path, columns, arm.instruction(task))
-    _check_bounds(path, selection, found)
+    _check_bounds(path / "data", columns.action.column, found)
     return found
 
 
@@ -46,10 +44,9 @@ def selected(arm: BroughtArm, task: str) -> Selection:
     return select(DatasetFiles.open(arm.dataset(task)), arm.columns(task))
 
 
-def _check_bounds(path: Path, selection: Selection, found: DemonstrationSet) -> None:
+def _check_bounds(file: Path, column: str, found: DemonstrationSet) -> None:
     """Actions beyond their bounds could never be said by a decoder, which ends at them."""
-    space: ActionSpace = selection.space
-    actions = found.actions.numpy()
+    space, actions = found.action_space, found.actions.numpy()
     low, high = actions.min(0), actions.max(0)
     beyond = (low < -1 - TOLERANCE) | (high > 1 + TOLERANCE)
     if not beyond.any():
@@ -58,8 +55,8 @@ def _check_bounds(path: Path, selection: Selection, found: DemonstrationSet) -> 
     place = int(np.argmax(beyond))
     raise DataError(
         "actions beyond low and high; `lfr columns` prints bounds for all of them",
-        file=info_of(DatasetFiles.open(path)),
-        column=f"{selection.action.column}, dimension {space.names[place]}",
+        file=file,
+        column=f"{column}, dimension {space.names[place]}",
         found=f"{least[place]:.4g} to {most[place]:.4g}",
         expected=f"{space.low[place]:.4g} to {space.high[place]:.4g}",
     )

@@ -52,7 +52,7 @@ def select(files: DatasetFiles, columns: Columns) -> Selection:
     if twice is not None:
         raise DataError(
             "two dimensions of the observation have one name; give them others under 'names'",
-            file=info_of(files), found=twice,
+            file=_info(files), found=twice,
         )  # fmt: skip
     action = _choose(files, columns.action)
     return Selection(observation, action, _space(files, columns.action, action))
@@ -68,20 +68,20 @@ def dimension_names(feature: Mapping[str, Any], column: str) -> tuple[str, ...]:
     return tuple(f"{column}.{number}" for number in range(size))
 
 
-def info_of(files: DatasetFiles) -> str:
+def _info(files: DatasetFiles) -> str:
     return str(files.path / "meta" / "info.json")
 
 
 def _choose(files: DatasetFiles, part: Part | ActionPart, unit: float = 1.0) -> Chosen:
     if part.column not in files.features:
         raise DataError(
-            "a column is missing", file=info_of(files), column=part.column,
+            "a column is missing", file=_info(files), column=part.column,
             found=", ".join(files.features), expected=part.column,
         )  # fmt: skip
     feature = files.features[part.column]
     if feature["dtype"] not in ("float32", "float64") or len(feature["shape"]) != 1:
         raise DataError(
-            "no vector of numbers", file=info_of(files), column=part.column,
+            "no vector of numbers", file=_info(files), column=part.column,
             found=f"{feature['dtype']} of shape {tuple(feature['shape'])}",
             expected="float32 or float64 of shape (D,)",
         )  # fmt: skip
@@ -90,7 +90,7 @@ def _choose(files: DatasetFiles, part: Part | ActionPart, unit: float = 1.0) -> 
     names = part.names or tuple(given[place] for place in places)
     if len(names) != len(places):
         raise DataError(
-            "another number of names than dimensions", file=info_of(files), column=part.column,
+            "another number of names than dimensions", file=_info(files), column=part.column,
             found=f"{len(names)} names", expected=f"{len(places)}: {', '.join(given)}",
         )  # fmt: skip
     return Chosen(part.column, places, names, unit)
@@ -102,7 +102,7 @@ def _place(files: DatasetFiles, column: str, one: str | int, given: Sequence[str
     if one in given:
         return list(given).index(str(one))
     raise DataError(
-        "no such dimension", file=info_of(files), column=column, found=", ".join(given),
+        "no such dimension", file=_info(files), column=column, found=", ".join(given),
         expected=one,
     )  # fmt: skip
 
@@ -115,13 +115,13 @@ def _space(files: DatasetFiles, part: ActionPart, action: Chosen) -> ActionSpace
         if len(each) != size:
             raise DataError(
                 f"another number of values under {what!r} than the action has dimensions",
-                file=info_of(files), column=part.column, found=len(each), expected=size,
+                file=_info(files), column=part.column, found=len(each), expected=size,
             )  # fmt: skip
         bounds.append(each)
     for name, low, high in zip(action.names, *bounds, strict=True):
         if not low < high:
             raise DataError(
-                f"low is not below high for {name!r}", file=info_of(files), column=part.column,
+                f"low is not below high for {name!r}", file=_info(files), column=part.column,
                 found=f"{low} and {high}",
             )  # fmt: skip
     return ActionSpace(action.names, *bounds)

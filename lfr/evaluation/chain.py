@@ -14,12 +14,16 @@ skills stage measures; `lfr.evaluation.records.chain_records` puts the chain tog
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from lfr.evaluation.policies import SkillFiles
-from lfr.evaluation.trials import Trial
+from lfr.evaluation.trials import Trial, named_shards, run_trial, summaries
+from lfr.jobs import run_jobs
 from lfr.mapping.artifacts import load_generator
+from lfr.mapping.models import MappingJob, fit_mapping
 from lfr.scenarios import Transfer
 from lfr.skills.artifacts import load_prior, load_vae
 from lfr.skills.policy import SkillPolicy
@@ -57,3 +61,28 @@ def chain_trials(
         "mapped": MappedFiles(prior, str(mapping / "g"), target_vae),
     }
     return {name: Trial(files, transfer.target, task, episodes) for name, files in links.items()}
+
+
+def train_and_measure(
+    mapping: MappingJob, trials: Mapping[str, Trial], work: Path, description: str
+) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
+    """Train G and F, and run the links; those that need no G while it is being trained.
+
+    Returns:
+        The report of the mapping, and each link's success.
+    """
+    shards = named_shards(trials)
+    jobs = [mapping, *(shard for _, shard in shards)]
+    waits = {
+        place: 0 for place, (_, shard) in enumerate(shards, 1)
+        if isinstance(shard.policy, MappedFiles)
+    }  # fmt: skip
+    report, *done = run_jobs(
+        run_part, jobs, after=waits, work=work, description=description, unit="part"
+    )
+    return report, summaries([name for name, _ in shards], done)
+
+
+def run_part(part: MappingJob | Trial) -> Any:
+    """A part of a chain: the mapping, or a shard of a link."""
+    return fit_mapping(part) if isinstance(part, MappingJob) else run_trial(part)

@@ -25,8 +25,7 @@ def report(
     """
     recorded = _all(results / "record")
     skills, mappings = (
-        {name: one for name, one in _all(results / stage).items()
-         if name in (*chains, *brought)}
+        {name: one for name, one in _all(results / stage).items() if name in (*chains, *brought)}
         for stage in ("skills", "mapping")
     )
     datasets = {name: digest for one in records for name, digest in

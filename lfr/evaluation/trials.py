@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -42,19 +42,23 @@ def success_rates(
     trials: Mapping[str, Trial], work: Path, description: str
 ) -> dict[str, dict[str, Any]]:
     """Each trial's successes, Wilson interval and mean length of a successful episode."""
-    shards = [(name, shard) for name, trial in trials.items() for shard in shards_of(trial)]
+    shards = named_shards(trials)
     jobs = [shard for _, shard in shards]
     done = run_jobs(run_trial, jobs, work=work, description=description, unit="shard")
-    rates = {}
-    for name in trials:
-        outcomes = [
-            Outcome(**outcome)
-            for (owner, _), result in zip(shards, done, strict=True)
-            if owner == name
-            for outcome in result
-        ]
-        rates[name] = summary(outcomes)
-    return rates
+    return summaries([name for name, _ in shards], done)
+
+
+def named_shards(trials: Mapping[str, Trial]) -> list[tuple[str, Trial]]:
+    """All trials in pieces, each with its trial's name."""
+    return [(name, shard) for name, trial in trials.items() for shard in shards_of(trial)]
+
+
+def summaries(names: Sequence[str], done: Sequence[Any]) -> dict[str, dict[str, Any]]:
+    """What `run_trial` gave for each shard, put together by the names of their trials."""
+    outcomes: dict[str, list[Outcome]] = {name: [] for name in names}
+    for name, result in zip(names, done, strict=True):
+        outcomes[name] += [Outcome(**outcome) for outcome in result]
+    return {name: summary(found) for name, found in outcomes.items()}
 
 
 def summary(outcomes: list[Outcome]) -> dict[str, Any]:

@@ -10,11 +10,13 @@ import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from lfr.artifacts import fingerprint, plain, read_json, write_json
 from lfr.jobs.here import run_here
 from lfr.jobs.memory import peak_memory
+from lfr.jobs.order import Order
 from lfr.jobs.tally import Tally, report
 from lfr.progress import progress
 
@@ -25,6 +27,7 @@ def run_jobs(
     function: Callable[[Any], Any],
     specs: Sequence[Any],
     *,
+    after: Mapping[int, int] = MappingProxyType({}),
     workers: int | None = None,
     work: Path | None = None,
     description: str = "",
@@ -39,6 +42,8 @@ def run_jobs(
         function: picklable, without side effects that may not happen twice. Inside, it may call
             `report` to move the bar.
         specs: values that JSON can hold, or dataclasses of such.
+        after: number of a job -> number of the one that must be finished before it starts, because
+            it reads what that one wrote.
         workers: processes on this machine; None takes the environment's choice: a Ray cluster if
             ``RAY_ADDRESS`` is set, else one process per core. With 1, or one job left to do
             on this machine, the jobs run in this process.
@@ -66,23 +71,28 @@ def run_jobs(
             write_json(files[index], content, allow_nan=True)
 
     with progress(len(specs), description, unit, initial=len(results)) as bar:
-        _run(function, todo, workers, Tally(bar, keep))
+        _run(function, todo, after, workers, Tally(bar, keep))
     return [results[index] for index in range(len(specs))]
 
 
 def _run(
-    function: Callable[[Any], Any], todo: Mapping[int, Any], workers: int | None, tally: Tally
+    function: Callable[[Any], Any],
+    todo: Mapping[int, Any],
+    after: Mapping[int, int],
+    workers: int | None,
+    tally: Tally,
 ) -> None:
+    order = Order(todo, after)
     if todo and workers is None and os.environ.get("RAY_ADDRESS"):
         from lfr.jobs.cluster import run_on_ray
 
-        return run_on_ray(function, todo, tally)
+        return run_on_ray(function, todo, order, tally)
     workers = min(workers or os.cpu_count() or 1, len(todo))
     if workers <= 1:
-        return run_here(function, todo, tally)
+        return run_here(function, todo, order, tally)
     from lfr.jobs.pool import run_in_pool
 
-    return run_in_pool(function, todo, workers, tally)
+    return run_in_pool(function, todo, order, workers, tally)
 
 
 def _full_name(function: Callable[[Any], Any]) -> str:

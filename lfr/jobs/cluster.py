@@ -17,6 +17,7 @@ from typing import Any
 from lfr.artifacts import plain
 from lfr.errors import LfrError, MissingLibraryError
 from lfr.jobs.here import one_thread
+from lfr.jobs.order import Order
 from lfr.jobs.tally import Tally, listening
 
 RETRIES = 3  # of a job whose worker or node died; what a job raises itself is never retried
@@ -25,7 +26,7 @@ POLL = 0.5  # seconds between two looks at the reports
 Function = Callable[[Any], Any]
 
 
-def run_on_ray(function: Function, todo: Mapping[int, Any], tally: Tally) -> None:
+def run_on_ray(function: Function, todo: Mapping[int, Any], order: Order, tally: Tally) -> None:
     """Run the jobs as Ray tasks of one core each, at the cluster of ``RAY_ADDRESS``.
 
     Raises:
@@ -36,17 +37,17 @@ def run_on_ray(function: Function, todo: Mapping[int, Any], tally: Tally) -> Non
     board = ray.remote(num_cpus=0)(_Board).remote()
     task = ray.remote(num_cpus=1, max_retries=RETRIES)(_on_node)
     folder = os.getcwd()
-    pending = {
-        task.remote(folder, function, index, spec, board): index for index, spec in todo.items()
-    }
+    pending: dict[Any, int] = {}
     try:
-        while pending:
+        while order or pending:
+            while (index := order.next()) is not None:
+                pending[task.remote(folder, function, index, todo[index], board)] = index
             ready, _ = ray.wait(list(pending), timeout=POLL)
             for index, fraction in ray.get(board.take.remote()).items():
                 tally.report(index, fraction)
             for reference in ready:
                 tally.finish(pending[reference], ray.get(reference))
-                del pending[reference]
+                order.finish(pending.pop(reference))
     except ray.exceptions.RayTaskError as error:
         if isinstance(error.cause, LfrError):
             raise error.cause from None

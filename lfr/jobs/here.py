@@ -10,6 +10,7 @@ from functools import partial
 from typing import Any
 
 from lfr.artifacts import plain
+from lfr.jobs.order import Order
 from lfr.jobs.tally import Tally, listening
 
 # Read by a numerical library when it is loaded.
@@ -19,13 +20,16 @@ ONE_THREAD = {
 }
 
 
-def run_here(function: Callable[[Any], Any], todo: Mapping[int, Any], tally: Tally) -> None:
+def run_here(
+    function: Callable[[Any], Any], todo: Mapping[int, Any], order: Order, tally: Tally
+) -> None:
     """Run the jobs here; what they raise comes through as it is."""
     with one_thread():
-        for index, spec in todo.items():
+        while (index := order.next()) is not None:
             with listening(partial(tally.report, index)):
-                result = plain(function(spec))
+                result = plain(function(todo[index]))
             tally.finish(index, result)
+            order.finish(index)
 
 
 @contextlib.contextmanager

@@ -13,7 +13,7 @@ import os
 import signal
 import threading
 import traceback
-from collections import Counter, deque
+from collections import Counter
 from collections.abc import Callable, Mapping
 from multiprocessing import connection, forkserver, get_context, parent_process
 from multiprocessing.connection import Connection
@@ -23,6 +23,7 @@ from lfr.artifacts import plain
 from lfr.errors import LfrError
 from lfr.jobs.here import one_thread
 from lfr.jobs.memory import note_worker, own_peak
+from lfr.jobs.order import Order
 from lfr.jobs.tally import Tally, listening
 
 ATTEMPTS = 2
@@ -31,7 +32,9 @@ STOP_TIMEOUT = 2.0  # seconds to end on SIGTERM before SIGKILL
 Function = Callable[[Any], Any]
 
 
-def run_in_pool(function: Function, todo: Mapping[int, Any], workers: int, tally: Tally) -> None:
+def run_in_pool(
+    function: Function, todo: Mapping[int, Any], order: Order, workers: int, tally: Tally
+) -> None:
     """Run the jobs in ``workers`` processes; a job whose process dies is tried once more.
 
     Raises:
@@ -39,14 +42,13 @@ def run_in_pool(function: Function, todo: Mapping[int, Any], workers: int, tally
         OSError: a job raised it.
         RuntimeError: a job raised anything else; the message holds its traceback.
     """
-    waiting = deque(todo)
     attempts: Counter[int] = Counter()
     idle = [_Worker(function) for _ in range(workers)]
     busy: dict[Connection, _Worker] = {}
     try:
-        while waiting or busy:
-            while waiting and idle:
-                worker, index = idle.pop(), waiting.popleft()
+        while order or busy:
+            while idle and (index := order.next()) is not None:
+                worker = idle.pop()
                 attempts[index] += 1
                 worker.start(index, todo[index])
                 busy[worker.pipe] = worker
@@ -62,6 +64,7 @@ def run_in_pool(function: Function, todo: Mapping[int, Any], workers: int, tally
                 del busy[worker.pipe]
                 if kind == "result":
                     tally.finish(worker.index, value)
+                    order.finish(worker.index)
                     idle.append(worker)
                 elif kind == "error":
                     idle.append(worker)
@@ -72,7 +75,7 @@ def run_in_pool(function: Function, todo: Mapping[int, Any], workers: int, tally
                     if attempts[worker.index] == ATTEMPTS:
                         raise LfrError(_death(todo[worker.index], worker.process.exitcode))
                     tally.report(worker.index, 0.0)
-                    waiting.appendleft(worker.index)
+                    order.again(worker.index)
     finally:
         for worker in [*idle, *busy.values()]:
             worker.process.terminate()

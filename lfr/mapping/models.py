@@ -13,7 +13,6 @@ from torch import Tensor
 
 from lfr.artifacts import fingerprint
 from lfr.brought import BroughtArm
-from lfr.jobs import run_jobs
 from lfr.mapping.artifacts import MappingSeen, save_generator
 from lfr.mapping.report import common_report, decoded_difference, new_task_report
 from lfr.mapping.training import CommonTask, MappingParams, train_mapping
@@ -48,24 +47,22 @@ class MappingJob:
     arms: Mapping[str, BroughtArm] = field(default_factory=dict)
 
 
-def train_models(
+def mapping_job(
     scenario: Scenario,
     transfer: Transfer,
     params: MappingParams,
     held_out: float,
     seed: int,
     skills: Path,
-    work: Path,
+    folder: Path,
     datasets: Path = DATASETS,
     arms: Mapping[str, BroughtArm] = MappingProxyType({}),
-) -> dict[str, Any]:
-    """Train ``work/models/{g,f}``; the report on held-out states."""
-    job = MappingJob(
-        scenario, transfer, _suited(params, arms), held_out, seed, str(skills),
-        str(work / "models"), str(datasets), dict(arms),
+) -> MappingJob:
+    """The job that trains ``folder/{g,f}`` on these arms' demonstrations."""
+    return MappingJob(
+        scenario, transfer, _suited(params, arms), held_out, seed, str(skills), str(folder),
+        str(datasets), dict(arms),
     )  # fmt: skip
-    description = f"mapping {transfer.name}"
-    return run_jobs(fit_mapping, [job], work=work, description=description, unit="mapping")[0]
 
 
 def fit_mapping(job: MappingJob) -> dict[str, Any]:

@@ -94,7 +94,7 @@ def train_mapping(
     g.fit_scales(k_x, k_y)
     f.fit_scales(k_y, k_x)
     weights = [*g.network.parameters(), *f.network.parameters()]
-    optimizer = torch.optim.Adam(weights, params.learning_rate, foreach=True)
+    optimizer = torch.optim.Adam(weights, params.learning_rate, fused=True)
     schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimizer, max(params.steps, 1))
     posteriors = round(params.posterior_share * params.batch)
     per_task = (params.batch - posteriors) // len(tasks)

@@ -13,6 +13,7 @@ from lfr.scenarios import Scenario, transfers_of
 from lfr.sim.layout import ObservationLayout
 from lfr.tasks import TASKS
 
+
 def check_arms(scenario: Scenario, arms: Mapping[str, BroughtArm]) -> None:
     """Hold both arms of a scenario to the same observation of each task, by metadata alone.
 

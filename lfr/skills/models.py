@@ -100,24 +100,28 @@ def train_models(
         )  # fmt: skip
 
     roles = roles_of(transfer)
-    vaes = [job(role, robot, None) for role, robot in roles.items()]
-    priors = [
+    jobs = [job(role, robot, None) for role, robot in roles.items()]
+    vaes = {one.role: place for place, one in enumerate(jobs)}
+    jobs += [
         job(role, robot, task)
         for role, robot in roles.items()
         for task in prior_tasks(scenario, robot, role)
     ]
-    about = f"skills {transfer.name}"
-    vae_reports = run_jobs(fit_vae, vaes, work=work, description=f"{about}: VAEs", unit="VAE")
-    prior_reports = run_jobs(
-        fit_prior, priors, work=work, description=f"{about}: priors", unit="prior"
-    )
-    report = {
-        one.role: {"robot": one.robot, **found, "prior": {}}
-        for one, found in zip(vaes, vae_reports, strict=True)
-    }
-    for one, found in zip(priors, prior_reports, strict=True):
-        report[one.role]["prior"][one.task] = found
+    after = {place: vaes[one.role] for place, one in enumerate(jobs) if one.task is not None}
+    description = f"skills {transfer.name}"
+    found = run_jobs(fit_model, jobs, after=after, work=work, description=description, unit="model")
+    report: dict[str, dict[str, Any]] = {}
+    for one, metrics in zip(jobs, found, strict=True):
+        if one.task is None:
+            report[one.role] = {"robot": one.robot, **metrics, "prior": {}}
+        else:
+            report[one.role]["prior"][one.task] = metrics
     return report
+
+
+def fit_model(job: ModelJob) -> dict[str, Any]:
+    """Train and save the skill VAE or the prior that a job names; its held-out report."""
+    return fit_vae(job) if job.task is None else fit_prior(job)
 
 
 def fit_vae(job: ModelJob) -> dict[str, Any]:

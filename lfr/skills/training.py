@@ -24,7 +24,7 @@ def train_vae(actions: Tensor, params: VAEParams, seed: int) -> SkillVAE:
     vae = SkillVAE(
         params.horizon, actions.shape[-1], params.latent_dim, params.hidden, params.execute
     )
-    optimizer = torch.optim.Adam(vae.parameters(), params.learning_rate, foreach=True)
+    optimizer = torch.optim.Adam(vae.parameters(), params.learning_rate, fused=True)
     schedule = _annealed(optimizer, params.steps)
     augmented = round(params.augment * params.batch)
     for _ in range(params.steps):
@@ -61,7 +61,7 @@ def train_prior(
         prior.network.parameters(),
         params.learning_rate,
         weight_decay=params.weight_decay,
-        foreach=True,
+        fused=True,
     )
     schedule = _annealed(optimizer, params.steps)
     blur = params.input_noise * prior.normalizer.noise_scale()

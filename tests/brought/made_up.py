@@ -89,7 +89,9 @@ def _write(
         task = tasks[number % len(tasks)]
         for hand, goal, velocity in way(task, number):
             closed = float(np.linalg.norm(goal - hand) < 0.02)
-            values = {key: np.float32(one) for key, one in frame(hand, goal, velocity, closed).items()}
+            values = {
+                key: np.float32(one) for key, one in frame(hand, goal, velocity, closed).items()
+            }
             dataset.add_frame({**values, "task": task})
         dataset.save_episode()
     dataset.finalize()

@@ -1,4 +1,4 @@
-"""The stages skills and mapping on two brought arms, without a simulator, and what comes of them."""
+"""The stages skills and mapping on two brought arms, without a simulator, and what they give."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ def test_a_mapped_skill_does_on_the_target_what_the_source_would_do(project: Pat
         policy = SkillPolicy(prior, g, vae)
         cosines = []
         for seed in range(100, 120):
-            hand, goal, velocity = next(made_up.way(task, seed))
+            hand, goal, velocity = next(made_up.way(f"{task} it", seed))
             _, speed, cos, sin = policy.act(np.concatenate([hand, goal]))[0]
             assert speed > 0  # more than half of its speed
             wanted = velocity / np.linalg.norm(velocity)
@@ -159,4 +159,5 @@ def test_dvc_runs_them_and_nothing_else(project: Path, tmp_path: Path) -> None:
     planned = tiny_project.run(folder, "dvc", "repro", "--dry", f"brought-mapping@{NAME}").stdout
     assert f"pipeline.skills --transfer {NAME}" in planned
     assert f"pipeline.mapping --transfer {NAME}" in planned
-    assert "pipeline.record" not in planned and "pipeline.pack" not in planned
+    assert "pipeline.record" not in planned
+    assert "pipeline.pack" not in planned
