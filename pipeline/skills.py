@@ -4,9 +4,8 @@ import sys
 from pathlib import Path
 
 from lfr.brought import brought_arms
-from lfr.evaluation.own_arm import own_arm_trials
+from lfr.evaluation.own_arm import train_and_measure
 from lfr.evaluation.params import EvaluateParams
-from lfr.evaluation.trials import success_rates
 from lfr.params import read_section
 from lfr.program import run_stage
 from lfr.scenarios import scenario as scenario_named
@@ -14,7 +13,7 @@ from lfr.scenarios import transfer as transfer_named
 from lfr.scenarios import visible_tasks
 from lfr.skills.compatible import check_arms
 from lfr.skills.demonstrations import DATASETS
-from lfr.skills.models import roles_of, train_models
+from lfr.skills.models import model_jobs, roles_of
 from lfr.skills.params import SkillsParams
 from pipeline._stage import SeedParams, models_into, rows_of, unfinished_work, write_metrics
 
@@ -44,14 +43,9 @@ def main(transfer: str) -> None:
     inputs = rows_of(sorted(datasets))
     work = unfinished_work("skills", transfer, scenario, params, seed, arms, *inputs, code=CODE)
 
-    report = train_models(scenario, chosen, params, seed, work, arms=arms)
-    trials = {}
-    if not arms:
-        episodes = read_section(EvaluateParams, "evaluate").episodes
-        trials = own_arm_trials(scenario, chosen, work / "models", episodes)
-    for name, found in success_rates(trials, work, f"skills {transfer}: own arm").items():
-        role, task = name.split("/")
-        report[role]["prior"][task]["own_arm"] = found
+    jobs, needs = model_jobs(scenario, chosen, params, seed, work / "models", arms=arms)
+    episodes = 0 if arms else read_section(EvaluateParams, "evaluate").episodes
+    report = train_and_measure(jobs, needs, episodes, work, f"skills {transfer}")
     models_into(Path("models/skills") / transfer, work / "models")
     write_metrics("skills", transfer, report)
 

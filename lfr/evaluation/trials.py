@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -53,9 +53,11 @@ def named_shards(trials: Mapping[str, Trial]) -> list[tuple[str, Trial]]:
     return [(name, shard) for name, trial in trials.items() for shard in shards_of(trial)]
 
 
-def summaries(names: Sequence[str], done: Sequence[Any]) -> dict[str, dict[str, Any]]:
+def summaries[Name: Hashable](
+    names: Sequence[Name], done: Sequence[Any]
+) -> dict[Name, dict[str, Any]]:
     """What `run_trial` gave for each shard, put together by the names of their trials."""
-    outcomes: dict[str, list[Outcome]] = {name: [] for name in names}
+    outcomes: dict[Name, list[Outcome]] = {name: [] for name in names}
     for name, result in zip(names, done, strict=True):
         outcomes[name] += [Outcome(**outcome) for outcome in result]
     return {name: summary(found) for name, found in outcomes.items()}

@@ -1,8 +1,8 @@
-"""The skill models that a transfer needs, trained as jobs: three VAEs, then their priors."""
+"""The skill models that a transfer needs, as jobs: a VAE for each role, then its priors."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
@@ -14,7 +14,6 @@ from torch import Tensor
 from lfr.artifacts import fingerprint
 from lfr.brought import BroughtArm
 from lfr.data.windows import WindowBatch
-from lfr.jobs import run_jobs
 from lfr.scenarios import Role, Scenario, Transfer, visible_tasks
 from lfr.skills.artifacts import Seen, load_vae, save_prior, save_vae
 from lfr.skills.demonstrations import DATASETS, Demonstrations, balanced, read_visible
@@ -71,31 +70,28 @@ def prior_tasks(scenario: Scenario, robot: str, role: Role) -> tuple[str, ...]:
     return visible[-1:] if role == "oracle" else visible
 
 
-def train_models(
+def model_jobs(
     scenario: Scenario,
     transfer: Transfer,
     params: SkillsParams,
     seed: int,
-    work: Path,
+    folder: Path,
     datasets: Path = DATASETS,
     arms: Mapping[str, BroughtArm] = MappingProxyType({}),
-) -> dict[str, dict[str, Any]]:
-    """Train source, target and oracle into ``work/models/<role>/{vae,prior-<task>}``.
+) -> tuple[list[ModelJob], dict[int, int]]:
+    """Jobs that train source, target and oracle into ``folder/<role>/{vae,prior-<task>}``.
 
     Args:
         datasets: folder of the datasets of arms that this project simulates.
         arms: those that are brought, by name.
 
     Returns:
-        By role: robot, tasks seen, and on held-out episodes the VAE's reconstruction error per
-        action dimension, the divergence of its posterior to N(0, I), and of the posterior to each
-        prior.
+        The jobs, VAEs first, and for each prior's number that of its VAE, which it needs.
     """
 
     def job(role: Role, robot: str, task: str | None) -> ModelJob:
-        folder = str(work / "models")
         return ModelJob(
-            scenario, robot, role, task, _suited(params, arms.get(robot)), seed, folder,
+            scenario, robot, role, task, _suited(params, arms.get(robot)), seed, str(folder),
             str(datasets), arms.get(robot),
         )  # fmt: skip
 
@@ -107,9 +103,15 @@ def train_models(
         for role, robot in roles.items()
         for task in prior_tasks(scenario, robot, role)
     ]
-    after = {place: vaes[one.role] for place, one in enumerate(jobs) if one.task is not None}
-    description = f"skills {transfer.name}"
-    found = run_jobs(fit_model, jobs, after=after, work=work, description=description, unit="model")
+    return jobs, {place: vaes[one.role] for place, one in enumerate(jobs) if one.task is not None}
+
+
+def model_report(jobs: Sequence[ModelJob], found: Sequence[Any]) -> dict[str, dict[str, Any]]:
+    """What `fit_model` gave for each of `model_jobs`, by role.
+
+    Robot, tasks seen, and on held-out episodes the VAE's reconstruction error per action dimension,
+    the divergence of its posterior to N(0, I), and of the posterior to each prior.
+    """
     report: dict[str, dict[str, Any]] = {}
     for one, metrics in zip(jobs, found, strict=True):
         if one.task is None:
