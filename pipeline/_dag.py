@@ -68,8 +68,9 @@ def main(project: Path = Path()) -> None:
         text = document.read_text(encoding="utf-8")
         old = shown(text)
         if old is not None and old != picture:
+            new = text.replace(f"{BEGIN}\n{old}\n{END}", f"{BEGIN}\n{picture}\n{END}")
             with write_whole(document) as partial:
-                partial.write_text(text.replace(old, picture), encoding="utf-8")
+                partial.write_text(new, encoding="utf-8")
             print(document)
 
 

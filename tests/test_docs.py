@@ -1,14 +1,18 @@
 """The documents against the code: what they link to, name and show must be there."""
 
+import argparse
 import functools
 import importlib
+import inspect
 import re
+import shlex
 from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import Any, get_args, get_type_hints
 
 import pytest
 
+from lfr import cli
 from lfr.data.episode import FEATURES, IMAGES
 from lfr.evaluation.readme import results_block, shown_block
 from lfr.evaluation.records import LINKS
@@ -24,6 +28,14 @@ FENCE = re.compile(r"^( *)```.*?^\1```$", re.DOTALL | re.MULTILINE)
 LINK = re.compile(r"\]\(([^)\s]+)\)")
 NAME = re.compile(r"`((?:lfr|pipeline)\.[a-z]\w*(?:\.\w+)*)`")  # lfr.Action is a message's schema
 PARAMETER = re.compile(r"`((?:record|pack|skills|mapping|transfer|evaluate|seeds)(?:\.\w+)+)`")
+FILE = re.compile(r"(?<![\w/])(?:lfr|pipeline|tests|benchmarks|docs)/[\w/]+\.(?:py|json|rbl|md)")
+PAGES = {
+    "browse.md": ("view",),
+    "bring-a-dataset.md": ("import",),
+    "publish.md": ("publish", "card"),
+    "trust.md": ("verify", "replay", "recover"),
+}
+OTHERS = {"--push-to-hub"}  # of a command of LeRobot that `lfr import` prints
 
 documents = pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)
 
@@ -34,6 +46,12 @@ def anchors(document: Path) -> set[str]:
     headings = re.findall(r"^#+ (.+)$", FENCE.sub("", document.read_text()), re.MULTILINE)
     words = (re.sub(r"[^\w\- ]", "", heading.lower()) for heading in headings)
     return {each.replace(" ", "-") for each in words}
+
+
+def commands(start: str) -> list[str]:
+    """The lines of all documents' indented blocks that start so."""
+    lines = (line for document in DOCUMENTS for line in lines_to_run(document.read_text()))
+    return [line for line in lines if line.startswith(start)]
 
 
 def lines_to_run(text: str) -> list[str]:
@@ -117,23 +135,59 @@ def test_commands_name_what_there_is(document: Path) -> None:
     for line in lines_to_run(text):
         if line.startswith("make "):
             assert line.split()[1] in targets
-    for module in re.findall(r"python -m (pipeline\.\w+)", text):
-        assert (ROOT / module.replace(".", "/")).with_suffix(".py").is_file()
+    for module in re.findall(r"python -m ((?:lfr|pipeline|benchmarks)\.[\w.]*\w)", text):
+        assert (ROOT / module.replace(".", "/")).with_suffix(".py").is_file(), module
+    for path in FILE.findall(text):
+        assert (ROOT / path).is_file(), path
 
 
-def test_view_commands_parse(monkeypatch: pytest.MonkeyPatch) -> None:
-    from lfr import cli
-    from lfr.view import command
+def test_commands_parse(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Those of `lfr` in indented blocks, every subcommand among them."""
+    seen: list[Any] = []
+    for _, module in cli.COMMANDS.values():
+        monkeypatch.setattr(importlib.import_module(module), "run", seen.append)
+    lines = commands("lfr ")
+    for line in lines:
+        assert cli.main(shlex.split(line)[1:]) == 0, line
+    assert len(seen) == len(lines)
+    assert {line.split()[1] for line in lines} == set(cli.COMMANDS)
 
-    seen = []
-    monkeypatch.setattr(command, "run", seen.append)
-    views = [
-        line for document in DOCUMENTS for line in lines_to_run(document.read_text())
-        if line.startswith("lfr view")
-    ]  # fmt: skip
-    for line in views:
-        assert cli.main(line.split()[1:]) == 0
-    assert len(seen) == len(views) > 3
+
+def test_dvc_commands_parse() -> None:
+    from dvc.cli import parse_args
+
+    lines = commands("dvc ")
+    assert len(lines) > 10
+    for line in lines:
+        parse_args(shlex.split(line)[1:])  # raises
+
+
+def test_stages_are_called_by_their_keys() -> None:
+    text = "\n".join(document.read_text() for document in DOCUMENTS)
+    called = re.findall(r"python -m (pipeline\.[a-z]\w*)((?: --\w+ \w+)*)", text)
+    assert len(called) > 2
+    for module, keys in called:
+        parameters = inspect.signature(importlib.import_module(module).main).parameters
+        assert re.findall(r"--(\w+)", keys) in ([], list(parameters)), (module, keys)
+
+
+@pytest.mark.parametrize(("page", "names"), PAGES.items())
+def test_options_in_the_text_are_there(page: str, names: tuple[str, ...]) -> None:
+    text = FENCE.sub("", (ROOT / "docs" / page).read_text())
+    spans = [span for span in re.findall(r"`([^`\n]+)`", text) if span.startswith(("--", "lfr "))]
+    named = set(re.findall(r"(?<!\S)--[a-z][a-z-]*", " ".join(spans))) - OTHERS
+    assert named
+    assert sorted(named - options_of(names)) == []
+
+
+def options_of(names: tuple[str, ...]) -> set[str]:
+    """The options of subcommands of `lfr`, as their help says them."""
+    found = set()
+    for name in names:
+        parser = argparse.ArgumentParser()
+        importlib.import_module(cli.COMMANDS[name][1]).add_arguments(parser)
+        found |= set(re.findall(r"--[a-z][a-z-]*", parser.format_help()))
+    return found
 
 
 def test_readme_shows_what_the_results_hold() -> None:
@@ -166,3 +220,13 @@ def test_data_names_every_feature_topic_and_group() -> None:
 def test_method_names_every_link_of_the_chain() -> None:
     text = (ROOT / "docs" / "method.md").read_text()
     assert [link for link in LINKS if f"`{link}`" not in text] == []
+
+
+def test_trust_names_every_kind_of_finding() -> None:
+    from lfr.curation.verify import CHECKS
+    from tests.curation.broken import BROKEN
+
+    text = (ROOT / "docs" / "trust.md").read_text()
+    kinds = {check for _, check, _, _ in BROKEN.values()} | {"averaged-quantiles"}
+    assert len(CHECKS) <= len(kinds)
+    assert [kind for kind in sorted(kinds) if f"`{kind}`" not in text] == []

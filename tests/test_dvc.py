@@ -69,21 +69,20 @@ def test_a_stage_is_one_box() -> None:
 
 
 def test_the_documents_show_the_pipeline_as_it_is() -> None:
-    texts = [shown((ROOT / name).read_text()) for name in SHOWN_IN]
-    pictures = [text for text in texts if text is not None]
-    assert pictures
+    pictures = {name: shown((ROOT / name).read_text()) for name in SHOWN_IN}
     picture = collapsed(dvc_dag(ROOT))
-    assert pictures == [picture] * len(pictures), "run `python -m pipeline._dag`"
+    assert pictures == dict.fromkeys(SHOWN_IN, picture), "run `python -m pipeline._dag`"
 
 
+@pytest.mark.parametrize("old", ["old", ""])
 def test_drawing_changes_what_is_between_the_markers(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, old: str
 ) -> None:
     monkeypatch.setattr("pipeline._dag.dvc_dag", lambda project: MERMAID)
     (tmp_path / "docs").mkdir()
     (tmp_path / "README.md").write_text("no markers")
     document = tmp_path / "docs/dvc.md"
-    document.write_text(f"before\n{BEGIN}\nold\n{END}\nafter\n")
+    document.write_text(f"before\n{BEGIN}\n{old}\n{END}\nafter\n")
     main(tmp_path)
     assert document.read_text() == f"before\n{BEGIN}\n{collapsed(MERMAID)}\n{END}\nafter\n"
     assert (tmp_path / "README.md").read_text() == "no markers"

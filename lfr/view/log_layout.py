@@ -12,8 +12,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from lfr.view import series
 from lfr.view.blueprint import BACKGROUND
+from lfr.view.eye import Eye
 from lfr.view.series import Color
 
 if TYPE_CHECKING:
@@ -23,6 +26,11 @@ FILE = Path(__file__).with_name("log.rbl")
 APPLICATION = "lfr-log"
 WORLD = "world"
 """The frame of a log's poses that all others are placed in."""
+CAMERA = "/camera/agentview"
+AXES = 0.08
+"""m, length of a frame's axes."""
+EYE = Eye(position=np.array([1.6, -1.2, 1.7]), target=np.array([-0.1, 0.0, 0.95]))
+"""Before the table, a little to its side and above, wherever the task has its objects."""
 
 MESSAGE, TIMELINE = "message", "message_log_time"
 
@@ -79,10 +87,10 @@ def log_blueprint() -> rrb.Blueprint:
         name="Bodies and camera",
         background=rrb.archetypes.Background(kind="SolidColor", color=BACKGROUND),
         spatial_information=rrb.SpatialInformation(target_frame=WORLD, show_axes=True),
-        eye_controls=rrb.EyeControls3D(position=(1.6, -1.2, 1.7), look_target=(-0.1, 0.0, 0.95)),
+        eye_controls=rrb.EyeControls3D(position=EYE.position, look_target=EYE.target),
         overrides={"/tf": _axes()},
     )
-    picture = rrb.Spatial2DView(origin="/camera/agentview", name="agentview")
+    picture = rrb.Spatial2DView(origin=CAMERA, name="agentview")
     left = rrb.Vertical(frames, picture, row_shares=[2, 1])
     right = rrb.Grid(*map(_view, PLOTS), grid_columns=2)
     return rrb.Blueprint(
@@ -132,7 +140,7 @@ def _view(plot: Plot) -> rrb.View:
 def _axes() -> Any:
     import rerun as rr
 
-    return rr.TransformAxes3D(axis_length=0.08).visualizer()
+    return rr.TransformAxes3D(axis_length=AXES).visualizer()
 
 
 if __name__ == "__main__":
