@@ -1,7 +1,12 @@
-"""A made-up state-only dataset of any size, in the layout that packing writes, within seconds."""
+"""Made-up state-only datasets of any size, in the layout that packing writes, within seconds."""
 
 from __future__ import annotations
 
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,7 +15,7 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from lfr.artifacts import write_json
+from lfr.artifacts import read_json, write_json
 from lfr.curation.exact_stats import dataset_stats, episode_stats
 from lfr.data.episode import DONE, FEATURES, REWARD, SUCCESS, features
 from lfr.data.tables import VERSION
@@ -18,6 +23,7 @@ from lfr.sim.layout import STATE_NAMES
 from lfr.tasks import task
 
 DATA_PATH = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
+EPISODES = "meta/episodes/chunk-000/file-000.parquet"
 FILE_ROWS = 400_000  # of one Parquet file: about the 100 MB at which LeRobot begins another
 DEFAULTS = ("timestamp", "frame_index", "episode_index", "index", "task_index")
 
@@ -31,13 +37,15 @@ class Size:
     longest: int = 110
 
 
-def write_dataset(path: Path, size: Size, fps: int = 20) -> int:
-    """Write it and return the number of its rows. The same size gives the same dataset."""
+def write_dataset(
+    path: Path, size: Size, fps: int = 20, robot: str = "panda", task_name: str = "lift"
+) -> int:
+    """Write it and return the number of its rows. The same arguments give the same dataset."""
     rng = np.random.default_rng(0)
     lengths = rng.integers(size.shortest, size.longest + 1, size.episodes)
     rows, ends = int(lengths.sum()), np.cumsum(lengths)
-    lift = task("lift")
-    schema = features(STATE_NAMES, lift.environment_names)
+    about = task(task_name)
+    schema = features(STATE_NAMES, about.environment_names)
     columns: dict[str, np.ndarray] = {}
     for f in FEATURES:
         width = len(schema[f.key].names or ())
@@ -64,7 +72,7 @@ def write_dataset(path: Path, size: Size, fps: int = 20) -> int:
         described[key] = {"dtype": str(columns[key].dtype), "shape": [1], "names": None}
     episodes = {
         "episode_index": np.arange(size.episodes),
-        "tasks": pa.array([[lift.instruction]] * size.episodes),
+        "tasks": pa.array([[about.instruction]] * size.episodes),
         "length": lengths,
         "data/chunk_index": np.zeros(size.episodes, np.int64),
         "data/file_index": file,
@@ -72,28 +80,47 @@ def write_dataset(path: Path, size: Size, fps: int = 20) -> int:
         "dataset_to_index": ends,
         "seed": np.arange(size.episodes),
         "success": np.ones(size.episodes, bool),
-        "robot": ["panda"] * size.episodes,
-        "task_name": [lift.name] * size.episodes,
+        "robot": [robot] * size.episodes,
+        "task_name": [about.name] * size.episodes,
     }
     for key, values in columns.items():
         for name, value in episode_stats(values, lengths).items():
             episodes[f"stats/{key}/{name}"] = pa.array(list(value))
-    folder = path / "meta/episodes/chunk-000"
-    folder.mkdir(parents=True)
-    pq.write_table(pa.table(episodes), folder / "file-000.parquet")
+    (path / EPISODES).parent.mkdir(parents=True)
+    pq.write_table(pa.table(episodes), path / EPISODES)
     write_json(path / "meta/stats.json", {k: dataset_stats(v) for k, v in columns.items()})
-    index = pd.Index([lift.instruction], name="task")
+    index = pd.Index([about.instruction], name="task")
     pd.DataFrame({"task_index": [0]}, index=index).to_parquet(path / "meta/tasks.parquet")
     write_json(
         path / "meta/info.json",
         {
-            "codebase_version": VERSION, "fps": fps, "features": described, "robot_type": "panda",
+            "codebase_version": VERSION, "fps": fps, "features": described, "robot_type": robot,
             "total_episodes": size.episodes, "total_frames": rows, "total_tasks": 1,
             "chunks_size": 1000, "splits": {"train": f"0:{size.episodes}"},
             "data_path": DATA_PATH, "video_path": None,
         },
     )  # fmt: skip
     return rows
+
+
+def as_of_robot(dataset: Path, out: Path, robot: str) -> None:
+    """The same episodes as another arm's: links to the files, but for those that name the arm."""
+    shutil.copytree(dataset, out, copy_function=os.link)
+    info = out / "meta/info.json"
+    write_json(info, read_json(info) | {"robot_type": robot})
+    episodes = pq.read_table(out / EPISODES)
+    place = episodes.column_names.index("robot")
+    (out / EPISODES).unlink()
+    renamed = episodes.set_column(place, "robot", pa.array([robot] * episodes.num_rows))
+    pq.write_table(renamed, out / EPISODES)
+
+
+@contextmanager
+def scratch() -> Iterator[Path]:
+    """A folder that is gone at the end, and with it what LeRobot keeps of each dataset it opens."""
+    with tempfile.TemporaryDirectory(prefix="lfr-bench-") as name:
+        os.environ["HF_DATASETS_CACHE"] = f"{name}/.cache"  # read when `datasets` is imported
+        yield Path(name)
 
 
 def _write_rows(

@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import platform
 import statistics
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -60,6 +60,11 @@ def compare(
             pairs.append((ours(), second))
         else:
             pairs.append((ours(), theirs()))
+    return against(name, unit, goal, pairs)
+
+
+def against(name: str, unit: str, goal: float, pairs: Sequence[tuple[float, float]]) -> Figure:
+    """The figure of rates (ours, theirs) that were measured pair by pair."""
     ratios = sorted(a / b for a, b in pairs)
     return Figure(
         name=name,
@@ -69,6 +74,21 @@ def compare(
         spread=(ratios[0], ratios[-1]),
         ours=statistics.median(a for a, _ in pairs),
         theirs=statistics.median(b for _, b in pairs),
+    )
+
+
+def within(name: str, unit: str, limit: float, amounts: Sequence[float]) -> Figure:
+    """The figure of amounts (less is better), as parts of the most that each may be."""
+    parts = sorted(amount / limit for amount in amounts)
+    return Figure(
+        name=name,
+        unit=unit,
+        ratio=statistics.median(parts),
+        goal=1.0,
+        spread=(parts[0], parts[-1]),
+        ours=statistics.median(amounts),
+        theirs=limit,
+        at_most=True,
     )
 
 

@@ -10,7 +10,6 @@ it may be: it needs a quiet machine. An episode counts until rerun can be handed
 from __future__ import annotations
 
 import argparse
-import statistics
 import tempfile
 import time
 from collections.abc import Callable
@@ -21,7 +20,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from benchmarks._figures import FOLDER, Figure, show, write
+from benchmarks._figures import FOLDER, Figure, show, within, write
 from lfr.artifacts import read_json, write_json
 from lfr.view.collection import collection_of
 from lfr.view.listing import dataset_entries, table
@@ -71,12 +70,7 @@ def wait(name: str, limit: float, act: Callable[[], None], repeats: int) -> Figu
         begun = time.perf_counter()
         act()
         waits.append(time.perf_counter() - begun)
-    parts = [seconds / limit for seconds in waits]
-    median = statistics.median(waits)
-    figure = Figure(
-        name=name, unit="s", ratio=median / limit, goal=1.0, spread=(min(parts), max(parts)),
-        ours=median, theirs=limit, at_most=True,
-    )  # fmt: skip
+    figure = within(name, "s", limit, waits)
     show(figure)
     return figure
 

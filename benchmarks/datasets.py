@@ -10,7 +10,6 @@ Times are the process's own, which what else the machine does falsifies least.
 from __future__ import annotations
 
 import argparse
-import statistics
 import tempfile
 import time
 from pathlib import Path
@@ -18,7 +17,7 @@ from pathlib import Path
 import pyarrow as pa
 
 from benchmarks._datasets import Size, write_dataset
-from benchmarks._figures import FOLDER, Figure, show, write
+from benchmarks._figures import FOLDER, Figure, show, within, write
 from lfr.curation.verify import verify_dataset
 
 SECONDS_GOAL = 60.0  # for 10,000 episodes
@@ -36,17 +35,7 @@ def verifying(episodes: int, repeats: int) -> Figure:
             report = verify_dataset(path)
             seconds.append(time.process_time() - began)
             assert not report.findings, report.findings
-    ratios = sorted(each / SECONDS_GOAL for each in seconds)
-    return Figure(
-        name=f"verify/{episodes}_episodes",
-        unit="s",
-        ratio=statistics.median(ratios),
-        goal=1.0,
-        spread=(ratios[0], ratios[-1]),
-        ours=statistics.median(seconds),
-        theirs=SECONDS_GOAL,
-        at_most=True,
-    )
+    return within(f"verify/{episodes}_episodes", "s", SECONDS_GOAL, seconds)
 
 
 def main() -> None:

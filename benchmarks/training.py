@@ -1,0 +1,156 @@
+"""Main memory that training takes on 10,000 episodes of states alone, against 2 GiB.
+
+    python -m benchmarks.training [--episodes 10000] [--steps 300] [--out results/benchmarks]
+
+The stages' own jobs run (`fit_vae`, `fit_prior`, `fit_mapping`: reading and checking the datasets,
+training, saving, and the report on held-out episodes) with the parameters of params.yaml, but for
+the number of gradient steps: no step keeps anything, so more of them take no more memory. The skill
+VAE and the prior are the target's and learn from one dataset of that size, the mapping from one of
+each arm, which hold the same made-up rows. What the mapping needs besides is small and not
+measured: the source's models and its demonstrations of the new task, of a few episodes.
+
+Each job has a process of its own, as in the stages, and its peak is the one that they report.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from benchmarks._datasets import Size, as_of_robot, scratch, write_dataset
+from benchmarks._figures import FOLDER, Figure, show, within, write
+from lfr.jobs.memory import own_peak
+from lfr.jobs.pool import run_in_pool
+from lfr.jobs.tally import Tally
+from lfr.mapping.models import MappingJob, fit_mapping
+from lfr.mapping.training import MappingParams
+from lfr.params import read_section
+from lfr.progress import progress
+from lfr.scenarios import Role, Scenario, transfers_of
+from lfr.skills.models import ModelJob, fit_prior, fit_vae
+from lfr.skills.params import SkillsParams
+
+GIB = 2**30
+GIB_GOAL = 2.0
+FEW = Size(episodes=20)
+SCENARIO = Scenario("large", common=("lift",), new={"panda": "stack", "sawyer": "pick_place"})
+TRANSFER = transfers_of(SCENARIO)[0]  # Panda learns to stack from Sawyer
+
+Fit = tuple[Callable[[Any], Any], Any]
+"""A job's function and its specification."""
+
+
+@dataclass(frozen=True)
+class Fits:
+    """The jobs of one transfer, in a folder.
+
+    Attributes:
+        large: holds the target's dataset of the common task and the source's, both large, and the
+            source's of the new task, with few episodes.
+        few: holds the source's datasets of both tasks, with few episodes.
+    """
+
+    folder: Path
+    large: Path
+    few: Path
+    skills: SkillsParams
+    mapping: MappingParams
+
+    def vae(self) -> Fit:
+        return fit_vae, self._model("target", None, self.large)
+
+    def prior(self) -> Fit:
+        return fit_prior, self._model("target", "lift", self.large)
+
+    def source(self) -> list[Fit]:
+        tasks = (TRANSFER.task, *TRANSFER.common)
+        priors = [(fit_prior, self._model("source", task, self.few)) for task in tasks]
+        return [(fit_vae, self._model("source", None, self.few)), *priors]
+
+    def generators(self) -> Fit:
+        skills, mapping = str(self.folder / "skills"), str(self.folder / "mapping")
+        return fit_mapping, MappingJob(
+            scenario=SCENARIO, transfer=TRANSFER, params=self.mapping,
+            held_out=self.skills.held_out, seed=0, skills=skills, folder=mapping,
+            datasets=str(self.large),
+        )  # fmt: skip
+
+    def _model(self, role: Role, task: str | None, datasets: Path) -> ModelJob:
+        robot = TRANSFER.source if role == "source" else TRANSFER.target
+        return ModelJob(
+            scenario=SCENARIO, robot=robot, role=role, task=task, params=self.skills, seed=0,
+            folder=str(self.folder / "skills"), datasets=str(datasets),
+        )  # fmt: skip
+
+
+def write_datasets(folder: Path, episodes: int) -> tuple[Path, Path]:
+    """The two folders of datasets that `Fits` needs: the large ones, and those of few episodes."""
+    large, few = folder / "large", folder / "few"
+    source, target = TRANSFER.source, TRANSFER.target
+    (common,) = TRANSFER.common
+    new = f"{source}-{TRANSFER.task}"
+    write_dataset(large / f"{target}-{common}", Size(episodes), robot=target, task_name=common)
+    as_of_robot(large / f"{target}-{common}", large / f"{source}-{common}", source)
+    write_dataset(few / f"{source}-{common}", FEW, robot=source, task_name=common)
+    for place in (large, few):
+        write_dataset(place / new, FEW, robot=source, task_name=TRANSFER.task)
+    return large, few
+
+
+def fit(fits: Sequence[Fit]) -> int:
+    """Carry out jobs one after the other; the most bytes that this process has had so far."""
+    for function, job in fits:
+        function(job)
+    return own_peak()
+
+
+def peak(*fits: Fit) -> int:
+    """As `fit`, in a process of its own.
+
+    It is forked from a server that has done nothing: the peak of a process that was started by
+    `exec` is at least that of the one that started it (Linux's `ru_maxrss` outlives `exec`).
+    """
+    found: dict[int, int] = {}
+    with progress(1) as bar:
+        run_in_pool(fit, {0: fits}, 1, Tally(bar, found.__setitem__))
+    return found[0]
+
+
+def measure(folder: Path, episodes: int, steps: int) -> list[Figure]:
+    """All figures, each printed as soon as it is known."""
+    skills, mapping = read_section(SkillsParams, "skills"), read_section(MappingParams, "mapping")
+    skills = replace(
+        skills, vae=replace(skills.vae, steps=steps), prior=replace(skills.prior, steps=steps)
+    )
+    large, few = write_datasets(folder, episodes)
+    fits = Fits(folder / "models", large, few, skills, replace(mapping, steps=steps))
+    figures: list[Figure] = []
+
+    def add(name: str, job: Fit) -> None:
+        label, unit = f"memory/{name}_of_{episodes}_episodes", f"GiB at most, {steps} steps"
+        figures.append(within(label, unit, GIB_GOAL, [peak(job) / GIB]))
+        show(figures[-1])
+
+    add("skill_vae", fits.vae())
+    add("prior", fits.prior())
+    peak(*fits.source())
+    add("mapping_of_two_arms", fits.generators())
+    return figures
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--episodes", type=int, default=10_000)
+    parser.add_argument("--steps", type=int, default=300)
+    parser.add_argument("--out", type=Path, default=FOLDER)
+    arguments = parser.parse_args()
+    with scratch() as folder:
+        figures = measure(folder, arguments.episodes, arguments.steps)
+    print(write("training", figures, arguments.out))
+
+
+if __name__ == "__main__":
+    main()

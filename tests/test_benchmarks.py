@@ -1,0 +1,92 @@
+"""The benchmarks of data and training, on little of everything."""
+
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from benchmarks import packing, training
+from benchmarks import windows as reading
+from benchmarks._datasets import Size, as_of_robot, write_dataset
+from benchmarks._figures import within
+from lfr.data.checks import check_dataset
+from lfr.data.episode import Episode
+from lfr.data.windows import Windows, read_dataset
+from lfr.errors import DataError
+from lfr.jobs.memory import own_peak
+from tests.data import made_up
+
+FEW = Size(episodes=3, shortest=12, longest=20)
+
+
+@pytest.fixture(scope="module")
+def dataset(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("made-up") / "panda-lift"
+    write_dataset(path, FEW)
+    return path
+
+
+def test_amounts_are_parts_of_the_most_that_they_may_be() -> None:
+    figure = within("memory", "GiB", 2.0, [1.0, 3.0, 1.5])
+    assert (figure.ratio, figure.spread, figure.reached) == (0.75, (0.5, 1.5), True)
+    assert (figure.ours, figure.theirs) == (1.5, 2.0)
+    assert not within("memory", "GiB", 2.0, [2.1]).reached
+
+
+def test_the_same_rows_as_another_arms(dataset: Path, tmp_path: Path) -> None:
+    other = tmp_path / "sawyer-lift"
+    as_of_robot(dataset, other, "sawyer")
+    check_dataset(other, robot="sawyer", task="lift")
+    check_dataset(dataset, robot="panda", task="lift")
+    with pytest.raises(DataError, match="another robot"):
+        check_dataset(other, robot="panda")
+    assert torch.equal(read_dataset(other).actions, read_dataset(dataset).actions)
+
+
+def test_other_windows_are_found_out(dataset: Path) -> None:
+    from lerobot.datasets import LeRobotDataset
+
+    timestamps = {"action": [t / 20 for t in range(4)]}
+    theirs = LeRobotDataset("lfr/panda-lift", dataset, delta_timestamps=timestamps)
+    known = read_dataset(dataset)
+    reading.check_same(Windows(known, 4, padded=True), theirs)
+    other = dataclasses.replace(known, actions=known.actions + 1e-6)
+    with pytest.raises(AssertionError, match="another action"):
+        reading.check_same(Windows(other, 4, padded=True), theirs)
+
+
+def test_both_sides_pack_the_same_rows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    logs = made_up.write_all(tmp_path / "logs", (12, 9))
+    seconds = packing.one_round(logs, tmp_path, theirs_first=True)
+    assert min(dataclasses.astuple(seconds)) > 0
+    right = packing.frames_of
+
+    def wrong(episode: Episode) -> packing.Frames:
+        frames = right(episode)
+        frames[0]["action"] = np.zeros_like(frames[0]["action"])
+        return frames
+
+    monkeypatch.setattr(packing, "frames_of", wrong)
+    with pytest.raises(AssertionError, match="other rows"):
+        packing.one_round(logs, tmp_path / "again", theirs_first=False)
+
+
+@pytest.mark.slow
+def test_a_jobs_peak_is_its_own() -> None:
+    held = np.ones(2**26)  # 512 MiB
+    assert training.peak() < own_peak() - held.nbytes / 2
+    assert training.peak((np.ones, 2**26)) > held.nbytes
+
+
+@pytest.mark.slow
+def test_all_figures(dataset: Path, tmp_path: Path) -> None:
+    read = reading.measure(dataset, 10, (8,), repeats=1)
+    assert [figure.name for figure in read] == ["getitem/batch_8", "dataloader_2_workers/batch_8"]
+    packed = packing.measure(made_up.write_all(tmp_path / "logs", (12, 9)), tmp_path, repeats=1)
+    # the logs are read besides, so the second ratio is at least as large
+    assert packed[0].ratio < packed[1].ratio
+    trained = training.measure(tmp_path / "training", episodes=20, steps=2)
+    assert len(trained) == 3
+    assert all(0.05 < figure.ours < 2 for figure in trained)
