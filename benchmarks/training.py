@@ -23,6 +23,7 @@ from typing import Any
 from benchmarks._datasets import Size, as_of_robot, scratch, write_dataset
 from benchmarks._figures import FOLDER, Figure, show, within, write
 from lfr.jobs.memory import own_peak
+from lfr.jobs.order import Order
 from lfr.jobs.pool import run_in_pool
 from lfr.jobs.tally import Tally
 from lfr.mapping.models import MappingJob, fit_mapping
@@ -115,7 +116,7 @@ def peak(*fits: Fit) -> int:
     """
     found: dict[int, int] = {}
     with progress(1) as bar:
-        run_in_pool(fit, {0: fits}, 1, Tally(bar, found.__setitem__))
+        run_in_pool(fit, {0: fits}, Order([0], {}), 1, Tally(bar, found.__setitem__))
     return found[0]
 
 

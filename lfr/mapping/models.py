@@ -20,6 +20,7 @@ from lfr.scenarios import Role, Scenario, Transfer
 from lfr.skills.artifacts import load_prior, load_vae
 from lfr.skills.demonstrations import DATASETS, Demonstrations, balanced, read_visible
 from lfr.skills.prior import SkillPrior
+from lfr.skills.rows import thinned
 from lfr.skills.symmetry import AS_RECORDED
 
 
@@ -77,7 +78,7 @@ def fit_mapping(job: MappingJob) -> dict[str, Any]:
     if job.params.posterior_share:  # which needs actions that mean the same to both arms
         arms = (("source", source), ("target", target))
         windows = balanced(
-            {f"{role}-{task}": demonstrations[task].training.actions
+            {f"{role}-{task}": thinned(demonstrations[task].training.actions)
              for role, demonstrations in arms for task in transfer.common}, seed,
         )  # fmt: skip
     g, f = train_mapping(list(known.values()), vaes, windows, job.params, seed)

@@ -16,7 +16,7 @@ from torch import Tensor
 from lfr.mapping.generator import Generator
 from lfr.mapping.training import CommonTask, paired
 from lfr.skills.prior import SkillPrior
-from lfr.skills.vae import SkillVAE
+from lfr.skills.vae import CHUNK, SkillVAE
 
 
 @torch.no_grad()
@@ -56,9 +56,12 @@ def decoded_difference(
     Not an error in itself: the arms may have to move differently. On the common tasks both
     demonstrators' actions are much alike, so there it is mostly one.
     """
-    mu, log_sigma = prior_x(observations)
-    here, there = source.decode(mu), target.decode(g(mu, log_sigma)[0])
-    return (here - there).square().mean(dim=(0, 1)).sqrt()
+    squares = torch.zeros(source.action_dim, dtype=torch.float64)
+    for some in observations.split(CHUNK):
+        mu, log_sigma = prior_x(some)
+        apart = source.decode(mu) - target.decode(g(mu, log_sigma)[0])
+        squares += apart.square().sum(dim=(0, 1), dtype=torch.float64)
+    return (squares / (len(observations) * source.horizon)).sqrt().float()
 
 
 def l1(predicted: Tensor, expected: Tensor) -> float:

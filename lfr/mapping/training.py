@@ -11,6 +11,7 @@ from lfr.mapping.generator import Generator
 from lfr.mapping.losses import mapping_loss
 from lfr.skills.augmentation import augment
 from lfr.skills.prior import SkillPrior
+from lfr.skills.rows import thinned
 from lfr.skills.symmetry import SymmetryParams, moved_states
 from lfr.skills.vae import CHUNK, SkillVAE
 
@@ -88,7 +89,7 @@ def train_mapping(
         )
         for task in tasks
     ]
-    known = [paired(task, task.observations) for task in tasks]
+    known = [paired(task, thinned(task.observations)) for task in tasks]
     k_x = torch.cat([pair[0] for pair in known])
     k_y = torch.cat([pair[1] for pair in known])
     g.fit_scales(k_x, k_y)

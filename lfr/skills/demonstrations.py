@@ -135,5 +135,5 @@ def balanced(windows: Mapping[str, Tensor], seed: int) -> Tensor:
     parts = []
     for actions in windows.values():
         extra = torch.randint(len(actions), (most - len(actions),), generator=generator)
-        parts.append(torch.cat([actions, actions[extra]]))
+        parts += [actions, actions[extra]]
     return torch.cat(parts)

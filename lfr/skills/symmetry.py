@@ -16,10 +16,7 @@ import torch
 from torch import Tensor
 
 from lfr.errors import LfrError
-
-MOST_ROWS = 2**19
-"""Of demonstrations and their copies together: a bound on memory, which fifty episodes are far
-from. The more there are, the less they need copies."""
+from lfr.skills.rows import MOST_ROWS
 
 
 @dataclass(frozen=True)
@@ -32,7 +29,7 @@ class SymmetryParams:
     mirror: bool = True
 
     def copies_of(self, rows: int) -> int:
-        """How many copies so many rows get."""
+        """How many copies so many rows get: the more there are, the less they need them."""
         return max(0, min(self.copies, MOST_ROWS // max(rows, 1) - 1))
 
 

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from lfr.demos.expert import Expert, ExpertParams
 from lfr.errors import LfrError
 from lfr.sim.layout import ObservationLayout
+from lfr.skills.rows import MOST_ROWS, thinned
 from lfr.skills.symmetry import (
-    MOST_ROWS,
     SceneMotion,
     SymmetryParams,
     move_actions,
@@ -131,6 +131,14 @@ def test_copies_end_where_memory_would(rows: int, copies: int) -> None:
     assert 0 <= made <= copies
     assert made == 0 or rows * (made + 1) <= MOST_ROWS
     assert made == copies or rows * (made + 2) > MOST_ROWS  # not fewer than there is room for
+
+
+@given(rows=st.integers(0, 3 * MOST_ROWS))
+def test_few_rows_are_all_kept_and_many_are_thinned_evenly(rows: int) -> None:
+    kept = thinned(torch.arange(rows))
+    assert len(kept) <= MOST_ROWS
+    assert len(kept) == rows or len(kept) > MOST_ROWS // 2
+    assert rows < 2 or len(kept.diff().unique()) == 1
 
 
 def test_states_of_unknown_quantities_are_left_alone_without_copies() -> None:
