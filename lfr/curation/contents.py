@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from lfr.curation.finding import Finding, Unreadable, unreadable
 from lfr.data import tables
-from lfr.data.tables import VERSION
+from lfr.data.tables import VERSION, other_format
 from lfr.errors import DataError
 
 INFO = "meta/info.json"
@@ -61,12 +61,7 @@ class Contents:
             if not isinstance(info, dict):
                 raise ValueError(type(info).__name__)
         if info.get("codebase_version") != VERSION:
-            raise DataError(
-                "another dataset format; convert it with LeRobot's conversion script",
-                file=file,
-                found=info.get("codebase_version"),
-                expected=VERSION,
-            )
+            raise other_format(path, info.get("codebase_version"))
         return cls(path, info)
 
     @property

@@ -13,14 +13,14 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any
 
-from lfr.artifacts import write_whole
+from lfr.artifacts import file_hash, write_whole
 from lfr.data.checks import check_dataset
 from lfr.data.episode import FPS, IMAGES, Episode
 from lfr.data.frames import FrameWriter
 from lfr.data.log_checks import LogKind
 from lfr.data.log_reader import read_log
 from lfr.data.meta import MetaWriter
-from lfr.data.reopen import compare_with_logs
+from lfr.data.reopen import compare_with_sources
 from lfr.data.stats import Stats
 from lfr.errors import DataError
 
@@ -55,7 +55,8 @@ def pack_dataset(
                 writer.add(Path(log))
             writer.finish()
         check_dataset(partial, fps=fps)
-        compare_with_logs(partial, f"lfr/{Path(out).name}", logs)
+        episodes = ((Path(log), read_log(Path(log)).features) for log in logs)
+        compare_with_sources(partial, f"lfr/{Path(out).name}", episodes)
     return {
         "episodes": writer.frames.episodes,
         "frames": writer.frames.frames,
@@ -95,10 +96,19 @@ class _DatasetWriter:
         episode = self.kind.episode if log == self.kind.log else read_log(log)
         index = self.frames.episodes
         self.kind.check(episode, log, index)
-        task_index = self.meta.task_index(episode.metadata["instruction"])
-        where, stats = self.frames.write(episode, task_index)
+        instruction = episode.metadata["instruction"]
+        where, stats = self.frames.write(episode.features, self.meta.task_index(instruction))
         places, image_stats = self._write_images(episode, log, index)
-        self.meta.add(episode, log, {**where, **places}, stats | image_stats)
+        columns = {
+            "seed": episode.seed,
+            "success": bool(episode.success),
+            "robot": episode.robot,
+            "task_name": episode.task,
+            "log_file": log.name,
+            "log_sha256": file_hash(log),
+        }
+        where = {**where, **places}
+        self.meta.add(len(episode), instruction, where, columns, stats | image_stats)
 
     def close(self) -> None:
         """Close the Parquet file and the videos, whole or not."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lfr.data.episode import Episode
+from lfr.data.episode import ACTION
 from lfr.data.stats import Stats, vector_stats
 
 if TYPE_CHECKING:
@@ -41,13 +41,19 @@ class FrameWriter:
         self._parquet: pq.ParquetWriter | None = None
         self._files, self._bytes = 0, 0
 
-    def write(self, episode: Episode, task_index: int) -> tuple[dict[str, int], dict[str, Stats]]:
+    def write(
+        self, features: Mapping[str, NDArray], task_index: int
+    ) -> tuple[dict[str, int], dict[str, Stats]]:
         """Write one episode's frames.
+
+        Args:
+            features: by key, (T, D), a scalar feature (T,), each in its dtype.
 
         Returns:
             Where they are, as the columns of meta/episodes, and the statistics of each column.
         """
-        columns = self._columns_of(episode, task_index)
+        length = len(features[ACTION])
+        columns = self._columns_of(features, length, task_index)
         for key, values in columns.items():
             self._columns[key].append(values)
         stats = _stats(columns.items())
@@ -56,10 +62,10 @@ class FrameWriter:
             "data/chunk_index": (self._files - 1) // 1000,
             "data/file_index": (self._files - 1) % 1000,
             "dataset_from_index": self.frames,
-            "dataset_to_index": self.frames + len(episode),
+            "dataset_to_index": self.frames + length,
         }
         self.episodes += 1
-        self.frames += len(episode)
+        self.frames += length
         return where, stats
 
     def close(self) -> None:
@@ -71,10 +77,11 @@ class FrameWriter:
         """Statistics of each column over all episodes."""
         return _stats((key, np.concatenate(parts)) for key, parts in self._columns.items())
 
-    def _columns_of(self, episode: Episode, task_index: int) -> dict[str, NDArray]:
-        length = len(episode)
+    def _columns_of(
+        self, features: Mapping[str, NDArray], length: int, task_index: int
+    ) -> dict[str, NDArray]:
         return {
-            **{key: episode.features[key] for key in self._keys},
+            **{key: features[key] for key in self._keys},
             "timestamp": (np.arange(length) / self._fps).astype(np.float32),
             "frame_index": np.arange(length),
             "episode_index": np.full(length, self.episodes),

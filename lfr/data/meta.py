@@ -6,8 +6,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from lfr.artifacts import file_hash
-from lfr.data.episode import Episode
 from lfr.data.stats import Stats
 
 
@@ -31,28 +29,28 @@ class MetaWriter:
         return self.tasks.index(instruction)
 
     def add(
-        self, episode: Episode, log: Path, where: Mapping[str, Any], stats: Mapping[str, Stats]
+        self,
+        length: int,
+        instruction: str,
+        where: Mapping[str, Any],
+        columns: Mapping[str, Any],
+        stats: Mapping[str, Stats],
     ) -> None:
         """Add the row of the next episode.
 
         Args:
-            episode: as it was read.
-            log: where it was read from.
+            length: number of its frames.
             where: which files hold its frames and images, by column of meta/episodes.
+            columns: what else is kept of an episode, of the same names and types for all.
             stats: its statistics, by feature.
         """
         self.rows.append(
             {
                 "episode_index": len(self.rows),
-                "tasks": [episode.metadata["instruction"]],
-                "length": len(episode),
+                "tasks": [instruction],
+                "length": length,
                 **where,
-                "seed": episode.seed,
-                "success": bool(episode.success),
-                "robot": episode.robot,
-                "task_name": episode.task,
-                "log_file": log.name,
-                "log_sha256": file_hash(log),
+                **columns,
                 **_flat(stats),
                 "meta/episodes/chunk_index": 0,
                 "meta/episodes/file_index": 0,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -28,7 +29,11 @@ class DatasetFiles:
 
     @classmethod
     def open(cls, path: Path) -> DatasetFiles:
-        """Raises DataError when there is no LeRobot v3.0 dataset at `path`."""
+        """Open the dataset at `path`.
+
+        Raises:
+            DataError: there is no LeRobot v3.0 dataset; of v2.1 it says what converts it.
+        """
         path = Path(path)
         file = path / "meta" / "info.json"
         if not path.is_dir():
@@ -38,12 +43,7 @@ class DatasetFiles:
         info = read_json(file)
         version = info.get("codebase_version") if isinstance(info, dict) else None
         if version != VERSION:
-            raise DataError(
-                "another dataset format; convert it with LeRobot's conversion script",
-                file=file,
-                found=version,
-                expected=VERSION,
-            )
+            raise other_format(path, version)
         return cls(path, info)
 
     @property
@@ -84,6 +84,29 @@ class DatasetFiles:
         if "task_name" not in self.episodes.column_names:
             return []
         return sorted(set(self.episodes["task_name"].to_pylist()))
+
+
+def other_format(path: Path, version: object) -> DataError:
+    """What is said of the LeRobot dataset at `path`, which is of another version than VERSION."""
+    return DataError(
+        f"another LeRobot format; convert it in place with: {conversion(path)}",
+        file=path / "meta" / "info.json",
+        found=version,
+        expected=VERSION,
+    )
+
+
+def conversion(path: Path) -> str:
+    """LeRobot's own command that makes a v2.1 dataset a v3.0 one.
+
+    It would push the result to the Hub unless told not to, and it leaves what was there beside it
+    as `<name>_old`.
+    """
+    folder = path.resolve()
+    return shlex.join(
+        ["python", "-m", "lerobot.scripts.convert_dataset_v21_to_v30",
+         f"--repo-id=local/{folder.name}", f"--root={folder}", "--push-to-hub=false"]
+    )  # fmt: skip
 
 
 def values(table: pa.Table, column: str) -> NDArray:

@@ -75,34 +75,12 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _refuse_lerobot(path: Path) -> None:
-    """Raises DataError for a LeRobot dataset, with the command that converts an old one."""
-    from lfr.artifacts import read_json
-    from lfr.data.tables import VERSION
+    """Raises DataError for a folder; of an old LeRobot dataset, with what converts it."""
+    from lfr.data.tables import DatasetFiles
 
-    info = path / "meta" / "info.json"
     if not path.is_dir():
         return
-    if not info.is_file():
+    if not (path / "meta" / "info.json").is_file():
         raise DataError("a folder", file=path, expected="robomimic's HDF5 file")
-    version = read_json(info).get("codebase_version")
-    if version == VERSION:
-        raise DataError("a LeRobot dataset already; nothing to import", file=path, found=version)
-    raise DataError(
-        f"another LeRobot format; convert it in place with: {conversion(path)}",
-        file=info, found=version, expected=VERSION,
-    )  # fmt: skip
-
-
-def conversion(path: Path) -> str:
-    """LeRobot's own command that makes a v2.1 dataset a v3.0 one.
-
-    It would push the result to the Hub unless told not to, and it leaves what was there beside it
-    as `<name>_old`.
-    """
-    import shlex
-
-    folder = path.resolve()
-    return shlex.join(
-        ["python", "-m", "lerobot.scripts.convert_dataset_v21_to_v30",
-         f"--repo-id=local/{folder.name}", f"--root={folder}", "--push-to-hub=false"]
-    )  # fmt: skip
+    version = DatasetFiles.open(path).info["codebase_version"]
+    raise DataError("a LeRobot dataset already; nothing to import", file=path, found=version)

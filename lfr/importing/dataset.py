@@ -3,24 +3,19 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from lfr.artifacts import file_hash, write_json, write_whole
 from lfr.data.checks import check_dataset
-from lfr.data.episode import SUCCESS, Episode
+from lfr.data.episode import SUCCESS
 from lfr.data.frames import FrameWriter
 from lfr.data.meta import MetaWriter
-from lfr.data.stats import Stats
+from lfr.data.reopen import compare_with_sources
 from lfr.errors import DataError, LfrError, ParameterError
 from lfr.importing.features import Choice, Layout, video_keys
-from lfr.importing.reopen import compare_with_source
 from lfr.importing.robomimic import Demo, RobomimicFile, open_robomimic
 from lfr.progress import progress
 from lfr.robots import ROBOTS
@@ -78,7 +73,8 @@ def import_robomimic(
                 writer.finish()
             write_json(partial / SOURCE, _source(writer, mask))
             check_dataset(partial, features=layout.features, fps=known.fps)
-            compare_with_source(partial, f"lfr/{out.name}", layout, demos)
+            episodes = ((path, layout.read(demo)) for demo in demos)
+            compare_with_sources(partial, f"lfr/{out.name}", episodes)
     return {
         "episodes": writer.frames.episodes,
         "frames": writer.frames.frames,
@@ -145,9 +141,9 @@ class _Writer:
     def add(self, demo: Demo) -> None:
         features = self.layout.read(demo)
         instruction = demo.instruction or self.known.instruction
-        success = bool(features[SUCCESS].any())
         task_index = self.meta.task_index(instruction)
-        where, stats = self.frames.write(_episode(self.known, features), task_index)
+        where: dict[str, Any]
+        where, stats = self.frames.write(features, task_index)
         for camera, video in self.videos.items():
             try:
                 place, stats[video.key] = video.write(list(self.layout.images(demo, camera)))
@@ -157,24 +153,16 @@ class _Writer:
                     file=demo.file, column=f"{demo.name}/obs/{camera}_image", found=error,
                 ) from error  # fmt: skip
             where |= place
-        self.meta.rows.append(
-            {
-                "episode_index": len(self.meta.rows),
-                "tasks": [instruction],
-                "length": len(demo),
-                **where,
-                "success": success,
-                "robot": self.known.robot,
-                "task_name": self.known.task,
-                "source_file": demo.file.name,
-                "source_sha256": self.digest,
-                "source_demo": demo.name,
-                **self._of(demo),
-                **dict(_flat(stats)),
-                "meta/episodes/chunk_index": 0,
-                "meta/episodes/file_index": 0,
-            }
-        )
+        columns = {
+            "success": bool(features[SUCCESS].any()),
+            "robot": self.known.robot,
+            "task_name": self.known.task,
+            "source_file": demo.file.name,
+            "source_sha256": self.digest,
+            "source_demo": demo.name,
+            **self._of(demo),
+        }
+        self.meta.add(len(demo), instruction, where, columns, stats)
 
     def close(self) -> None:
         self.frames.close()
@@ -195,17 +183,6 @@ class _Writer:
             columns["masks"] = [m for m, names in self.source.masks.items() if demo.name in names]
         digest = demo.model_sha256
         return columns if digest is None else {**columns, "model_sha256": digest}
-
-
-def _episode(known: _Known, features: Mapping[str, NDArray]) -> Episode:
-    """As `FrameWriter` takes it, which looks at the features alone."""
-    return Episode(known.robot, known.task, 0, True, features, np.zeros((0, 0)))
-
-
-def _flat(stats: Mapping[str, Stats]) -> Iterator[tuple[str, Any]]:
-    for key, values in stats.items():
-        for name, value in values.items():
-            yield f"stats/{key}/{name}", value.tolist()
 
 
 def _check_successes(path: Path, choice: Choice, writer: _Writer) -> None:

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 LEFT, RIGHT = "/left", "/right"
 COLORS = {LEFT: series.VIOLET, RIGHT: series.AMBER}
+PATH = "/path/end_effector"  # of an arm without geometry (lfr.view.path)
 PROPERTIES, NAME = "/__properties", "RecordingInfo:name"
 RENAMED = {"/reward": "reward"}
 """Entities whose curves of both sides share a view, and what each curve is called there."""
@@ -92,17 +93,33 @@ def _read(file: Path) -> _Recording:
 def _side(root: str, recording: _Recording) -> Side:
     entities = {chunk.entity_path for chunk in recording.chunks}
     cameras = sorted(e.removeprefix("/camera/") for e in entities if e.startswith("/camera/"))
-    return Side(root, recording.name, tuple(cameras), eye_on(_moving(recording.chunks)))
+    plots: list[str] = []
+    if "/action/translation" not in entities:
+        named = ("/action/", "/observation/")
+        plots = sorted(e.removeprefix("/") for e in entities if e.startswith(named))
+    eye = eye_on(_moving(recording.chunks))
+    return Side(root, recording.name, tuple(cameras), eye, tuple(plots))
 
 
 def _moving(chunks: list[Chunk]) -> NDArray[np.float64]:
-    """Where the bodies that move are at any time, (N, 3) in the world (m)."""
-    component, places = "Transform3D:translation", [np.zeros((0, 3))]
-    for chunk in chunks:
-        if not chunk.is_static and chunk.entity_path.startswith("/world/"):
-            batch = chunk.to_record_batch()
-            if component in batch.schema.names:
-                numbers = batch.column(component).flatten().flatten().to_numpy()
-                places.append(numbers.reshape(-1, 3))
-    found = np.concatenate(places)
+    """Where the bodies that move are at any time, (N, 3) in the world (m); else the path."""
+    bodies = [
+        _points(chunk, "Transform3D:translation")
+        for chunk in chunks
+        if not chunk.is_static and chunk.entity_path.startswith("/world/")
+    ]
+    path = [_points(c, "LineStrips3D:strips") for c in chunks if c.entity_path == PATH]
+    found = np.concatenate([np.zeros((0, 3)), *(bodies or path)])
+    found = found[np.isfinite(found).all(axis=1)]
     return found if len(found) else np.zeros((1, 3))
+
+
+def _points(chunk: Chunk, component: str) -> NDArray[np.float64]:
+    """All points (N, 3) of a component, however its lists are nested."""
+    batch = chunk.to_record_batch()
+    if component not in batch.schema.names:
+        return np.zeros((0, 3))
+    column = batch.column(component)
+    while hasattr(column.type, "value_type"):
+        column = column.flatten()
+    return column.to_numpy().reshape(-1, 3)

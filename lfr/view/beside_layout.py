@@ -21,12 +21,14 @@ class Side:
         title: of the episode.
         cameras: names of its cameras.
         eye: of its 3-D view.
+        series: entities to plot below `root` where the action is not this project's.
     """
 
     root: str
     title: str
     cameras: tuple[str, ...]
     eye: Eye
+    series: tuple[str, ...] = ()
 
 
 def beside_blueprint(left: Side, right: Side) -> rrb.Blueprint:
@@ -84,6 +86,9 @@ def _states(side: Side) -> rrb.View:
 def _actions(side: Side) -> rrb.Container:
     import rerun.blueprint as rrb
 
+    if side.series:
+        views = [series_view(entity, f"{side.root}/{entity}") for entity in side.series]
+        return rrb.Vertical(*views, name=side.title)
     span, action = (-1.05, 1.05), f"{side.root}/action"
     return rrb.Vertical(
         series_view("Translation (1 = 5 cm)", f"{action}/translation", span),

@@ -7,7 +7,7 @@ such module lists its own), and none of the code that writes them.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
 from lfr.view.eye import Eye
@@ -26,13 +26,17 @@ class EpisodeLayout:
         title: of the episode.
         cameras: names of its cameras.
         groups: of its observation, each an entity below `/observation`: name -> title.
-        eye: of the 3-D view.
+        eye: of the 3-D view; None where there is nothing to see in it.
+        actions: of an action that is not this project's, likewise below `/action`.
+        absent: which of `/state`, `/reward` and `/joints` the episode does not have.
     """
 
     title: str
     cameras: tuple[str, ...]
     groups: Mapping[str, str]
-    eye: Eye
+    eye: Eye | None
+    actions: Mapping[str, str] = field(default_factory=dict)
+    absent: frozenset[str] = frozenset()
 
 
 def episode_blueprint(layout: EpisodeLayout) -> rrb.Blueprint:
@@ -115,7 +119,7 @@ def learning_blueprint(title: str, *, choice: bool = False) -> rrb.Blueprint:
     return rrb.Blueprint(rrb.Tabs(named), *_panels("env_steps", moving=False, choice=choice))
 
 
-def arm_view(name: str, eye: Eye) -> rrb.Spatial3DView:
+def arm_view(name: str, eye: Eye | None) -> rrb.Spatial3DView:
     """The arm, its task and its path in 3-D."""
     import rerun.blueprint as rrb
 
@@ -127,9 +131,9 @@ def arm_view(name: str, eye: Eye) -> rrb.Spatial3DView:
         line_grid=rrb.LineGrid3D(
             visible=True, spacing=0.5, stroke_width=0.6, color=(70, 76, 88, 110)
         ),
-        eye_controls=rrb.EyeControls3D(
-            kind="Orbital", position=eye.position, look_target=eye.target
-        ),
+        eye_controls=None
+        if eye is None
+        else rrb.EyeControls3D(kind="Orbital", position=eye.position, look_target=eye.target),
     )
 
 
@@ -158,23 +162,38 @@ def series_view(
 
 
 def _episode_tab(layout: EpisodeLayout) -> rrb.Container:
+    """What moves, in 3-D or as the cameras see it, at the left; at the right what goes with it."""
     import rerun.blueprint as rrb
 
-    cameras = [
+    cameras: list[rrb.View | rrb.Container] = [
         rrb.Spatial2DView(origin=f"/camera/{camera}", name=camera) for camera in layout.cameras
     ]
-    series = [
-        _state_view(),
-        series_view("Action: translation (1 = 5 cm)", "/action/translation", (-1.05, 1.05)),
-        series_view("Action: rotation (1 = 0.5 rad)", "/action/rotation", (-1.05, 1.05)),
-        series_view("Gripper (-1 open, +1 closed)", ["/action/gripper", "/gripper"], (-1.05, 1.05)),
-        series_view("Reward", "/reward", legend=False),
+    series: list[tuple[rrb.View | rrb.Container, float]] = [(view, 1) for view in _actions(layout)]
+    if "/state" not in layout.absent:
+        series.insert(0, (_state_view(), 1.35))
+    if "/reward" not in layout.absent:
+        series.append((series_view("Reward", "/reward", legend=False), 1))
+    if layout.eye is not None:
+        series = [*((camera, 2.2) for camera in cameras), *series]
+    right = rrb.Vertical(*(view for view, _ in series), row_shares=[share for _, share in series])
+    if layout.eye is not None:
+        left: rrb.View | rrb.Container = arm_view(layout.title, layout.eye)
+    elif cameras:
+        left = rrb.Grid(*cameras)
+    else:
+        return rrb.Horizontal(right, name="Episode")
+    return rrb.Horizontal(left, right, column_shares=[1.7, 1], name="Episode")
+
+
+def _actions(layout: EpisodeLayout) -> list[rrb.View]:
+    if layout.actions:
+        return [series_view(title, f"/action/{name}") for name, title in layout.actions.items()]
+    span = (-1.05, 1.05)
+    return [
+        series_view("Action: translation (1 = 5 cm)", "/action/translation", span),
+        series_view("Action: rotation (1 = 0.5 rad)", "/action/rotation", span),
+        series_view("Gripper (-1 open, +1 closed)", ["/action/gripper", "/gripper"], span),
     ]
-    shares = [*[2.2] * len(cameras), 1.35, 1, 1, 1, 1]
-    right = rrb.Vertical(*cameras, *series, row_shares=shares)
-    return rrb.Horizontal(
-        arm_view(layout.title, layout.eye), right, column_shares=[1.7, 1], name="Episode"
-    )
 
 
 def _state_view() -> rrb.View:
@@ -200,7 +219,9 @@ def _observation_tab(layout: EpisodeLayout) -> rrb.Container:
     import rerun.blueprint as rrb
 
     views = [series_view(title, f"/observation/{group}") for group, title in layout.groups.items()]
-    return rrb.Grid(*views, series_view("joints (rad)", "/joints"), name="Observation")
+    if "/joints" not in layout.absent:
+        views.append(series_view("joints (rad)", "/joints"))
+    return rrb.Grid(*views, name="Observation")
 
 
 def _about_tab() -> rrb.View:

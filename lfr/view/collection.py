@@ -18,10 +18,16 @@ from lfr.data.episode import FPS, Episode
 from lfr.errors import DataError
 from lfr.view.blueprint import EpisodeLayout, episode_blueprint
 from lfr.view.dataset import find_log, is_dataset, read_episode
-from lfr.view.episode import episode_layout, log_episode
+from lfr.view.episode import (
+    episode_layout,
+    log_episode,
+    outcome_of,
+    places_seen,
+    scene_words,
+    seed_of,
+)
 from lfr.view.eye import eye_on
 from lfr.view.motion import Poses, poses_of
-from lfr.view.scene import moving_bodies
 from lfr.view.selection import Entry
 
 if TYPE_CHECKING:
@@ -72,14 +78,14 @@ def collection_of(path: Path) -> Collection | None:
     Raises:
         DataError: a dataset that cannot be read.
     """
-    from lfr.artifacts import read_json
+    from lfr.data.tables import DatasetFiles
     from lfr.view.listing import dataset_entries, log_entries
 
     name = path.resolve().name
     if not is_collection(path):
         return None
     if path.is_dir() and is_dataset(path):
-        fps = read_json(path / "meta" / "info.json")["fps"]
+        fps = DatasetFiles.open(path).info["fps"]
         return Collection(name, fps, partial(dataset_entries, path), partial(_of_dataset, path))
     logs = [path] if path.is_file() else sorted(path.glob("*.mcap"))
     entries, read = partial(log_entries, logs), partial(_of_logs, logs, path)
@@ -129,21 +135,16 @@ def save_episodes(
 
 def listed_name(number: int, episode: Episode) -> str:
     """For the viewer's list, which shows some fifteen letters: `12 success · seed 3 ...`."""
-    outcome = "success" if episode.success else "failure"
-    return f"{number} {outcome} · seed {episode.seed} · {episode.robot} · {episode.task}"
+    first = " ".join(word for word in (str(number), outcome_of(episode)) if word)
+    return " · ".join(word for word in (first, seed_of(episode), *scene_words(episode)) if word)
 
 
 def shared_layout(episodes: Sequence[tuple[Episode, Poses]]) -> EpisodeLayout:
     """A layout for all of them: that of the first, its eye on everything that moves in any."""
     first, poses = episodes[0]
-    seen = [
-        each[body][:, :3]
-        for episode, each in episodes
-        for body in moving_bodies(episode.robot, episode.task)
-        if body in each
-    ]
-    title = f"{first.robot} · {first.task}"
-    return replace(episode_layout(first, poses), title=title, eye=eye_on(np.concatenate(seen)))
+    seen = np.concatenate([places_seen(episode, each) for episode, each in episodes])
+    eye, title = eye_on(seen) if len(seen) else None, " · ".join(scene_words(first))
+    return replace(episode_layout(first, poses), title=title or "Episode", eye=eye)
 
 
 def arrange(blueprint: rrb.Blueprint, *, choice: bool, at: float | None) -> None:

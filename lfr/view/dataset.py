@@ -6,13 +6,22 @@ import io
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from lfr.artifacts import read_json
-from lfr.data.episode import IMAGES, SUCCESS, Episode
+from lfr.data.episode import ACTION, IMAGES, SUCCESS, Episode
 from lfr.errors import DataError
+from lfr.robots import ROBOTS
+from lfr.tasks import TASKS
+from lfr.view.episode import UNSAID
+from lfr.view.series import entity_part
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
+
+NOT_NUMBERS = ("video", "image", "string", "language")  # dtypes in info.json
 
 Row = dict[str, Any]
 
@@ -48,13 +57,14 @@ def episode_rows(path: Path, index: int | None = None) -> list[Row]:
 
 
 def read_episode(path: Path, index: int) -> Episode:
-    """Episode `index` of the dataset at `path`, its video decoded to JPEG.
+    """Episode `index` of the dataset at `path`, its pictures as JPEG.
 
-    Robot and task are those of the dataset's columns `robot` and `task_name`, or else of a folder
-    named `<robot>-<task>`. There are no simulator states in a dataset: (0, 0).
+    Robot and task are those of the dataset's columns `robot` and `task_name`, or of a folder named
+    `<robot>-<task>` by what is known here; else the robot is info.json's `robot_type`, and the task
+    has no name: "". There are no simulator states in a dataset: (0, 0).
 
     Raises:
-        DataError: no such episode, or a file that is missing or cut off.
+        DataError: no such episode, no actions, or a file that is missing or cut off.
     """
     import pyarrow.parquet as pq
 
@@ -64,6 +74,9 @@ def read_episode(path: Path, index: int) -> Episode:
         raise DataError("no such episode", file=path, episode=index, expected=f"0 to {count - 1}")
     row = rows[0]
     info = read_json(path / "meta" / "info.json")
+    if ACTION not in info["features"]:
+        raise DataError("a dataset without actions", file=path, column=ACTION,
+                        found=", ".join(info["features"]))  # fmt: skip
     file = path / info["data_path"].format(
         chunk_index=row["data/chunk_index"], file_index=row["data/file_index"]
     )
@@ -71,27 +84,32 @@ def read_episode(path: Path, index: int) -> Episode:
     features = {
         name: _array(table[name])
         for name, feature in info["features"].items()
-        if name in table.column_names and feature["dtype"] not in ("video", "image", "string")
+        if name in table.column_names and feature["dtype"] not in NOT_NUMBERS
     }
-    images = {
-        name.removeprefix(IMAGES): _frames(path, info, row, name)
-        for name, feature in info["features"].items()
-        if feature["dtype"] == "video"
-    }
-    robot, _, task = path.resolve().name.partition("-")
-    succeeded = bool(np.any(features.get(SUCCESS, False)))
+    folder, _, of = path.resolve().name.partition("-")
+    success, seed = (
+        value if isinstance(value := row.get(name), int) else None for name in ("success", "seed")
+    )
+    if success is None and SUCCESS in features:
+        success = bool(np.any(features[SUCCESS]))
+    unsaid = [name for name, value in (("seed", seed), ("success", success)) if value is None]
+    robot = folder if folder in ROBOTS else info.get("robot_type")
     return Episode(
-        robot=str(row.get("robot") or robot),
-        task=str(row.get("task_name") or task),
-        seed=int(row.get("seed") or 0),
-        success=bool(row.get("success", succeeded)),
+        robot=str(row.get("robot") or robot or ""),
+        task=str(row.get("task_name") or (of if of in TASKS else "")),
+        seed=int(seed or 0),
+        success=bool(success),
         features=features,
         simulator_state=np.zeros((0, 0)),
-        images=images,
+        images=_images(path, info, row, table),
         metadata={
             "instruction": ", ".join(row.get("tasks") or ()),
             "features": {
-                name: {"dtype": f["dtype"], "names": f.get("names") or (), "about": ""}
+                name: {
+                    "dtype": f["dtype"],
+                    "names": dimension_names(name, f, features[name]) if name in features else (),
+                    "about": "",
+                }
                 for name, f in info["features"].items()
             },
             "fps": info["fps"],
@@ -99,8 +117,31 @@ def read_episode(path: Path, index: int) -> Episode:
             "episode": index,
             "log_file": row.get("log_file"),
             "log_sha256": row.get("log_sha256"),
+            UNSAID: unsaid,
         },
     )
+
+
+def dimension_names(key: str, feature: Row, values: np.ndarray) -> tuple[str, ...]:
+    """What info.json calls each dimension of a feature, or else its number: `state.0`.
+
+    Names may be a list, a mapping from kinds to lists (`{"motors": [...]}`), of which there may be
+    several, or one from names to numbers; some datasets have another number of them, or none.
+    """
+    size = int(np.prod(values.shape[1:]))
+    names = feature.get("names")
+    if isinstance(names, dict):
+        lists = all(isinstance(part, list) for part in names.values())
+        several = lists and len(names) > 1
+        names = (
+            [f"{kind}.{name}" if several else name for kind in names for name in names[kind]]
+            if lists
+            else list(names)
+        )
+    if isinstance(names, list) and len(names) == size:
+        return tuple(str(name) for name in names)
+    last = key.rpartition(".")[2]
+    return (last,) if size == 1 else tuple(f"{last}.{number}" for number in range(size))
 
 
 def find_log(path: Path, episode: Episode) -> Path | None:
@@ -132,6 +173,35 @@ def _array(column: Any) -> np.ndarray:
     return values[:, 0] if values.ndim == 2 and values.shape[1] == 1 else values
 
 
+def _images(path: Path, info: Row, row: Row, table: Any) -> dict[str, list[bytes]]:
+    """The frames of each camera, from its video or out of the rows, as JPEG files."""
+    found = {}
+    for name, feature in info["features"].items():
+        camera = entity_part(name.removeprefix(IMAGES).removeprefix("observation."))
+        if feature["dtype"] == "video":
+            found[camera] = _frames(path, info, row, name)
+        elif feature["dtype"] == "image" and name in table.column_names:
+            found[camera] = [_still(path, name, value) for value in table[name].to_pylist()]
+    return found
+
+
+def _still(path: Path, name: str, value: Row) -> bytes:
+    """One picture that a dataset keeps in its rows, or beside them under the name that they say."""
+    from PIL import Image
+
+    try:
+        content = value["bytes"] or (path / value["path"]).read_bytes()
+        return _jpeg(Image.open(io.BytesIO(content)))
+    except (OSError, TypeError) as error:
+        raise DataError("no picture", file=path, column=name, found=error) from error
+
+
+def _jpeg(picture: Image) -> bytes:
+    buffer = io.BytesIO()
+    picture.convert("RGB").save(buffer, "JPEG", quality=90)
+    return buffer.getvalue()
+
+
 def _frames(path: Path, info: Row, row: Row, name: str) -> list[bytes]:
     """The frames of one camera as JPEG files, decoded from the dataset's video."""
     import av
@@ -153,9 +223,7 @@ def _frames(path: Path, info: Row, row: Row, name: str) -> list[bytes]:
             if len(frames) == row["length"]:
                 break
             if (frame.pts or 0) * base >= start - 0.5 / info["fps"]:
-                buffer = io.BytesIO()
-                frame.to_image().save(buffer, "JPEG", quality=90)
-                frames.append(buffer.getvalue())
+                frames.append(_jpeg(frame.to_image()))
     if len(frames) != row["length"]:
         raise DataError(
             "the video is cut off",

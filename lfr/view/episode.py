@@ -3,14 +3,18 @@
 Entities, on the timelines `time` (s) and `frame`:
 
     /world/<body>           Transform3D        pose in the world; geometry below it (lfr.view.scene)
-    /path/gripper_open, /path/gripper_closing  LineStrips3D, where the end effector goes
+    /path/gripper_open, /path/gripper_closing  LineStrips3D, where the end effector goes;
+    /path/end_effector     where the action is not this project's
     /camera/<name>          EncodedImage       JPEG
-    /action/translation, /action/rotation, /action/gripper
+    /action/translation, /action/rotation, /action/gripper; /action/<group> of another layout
     /gripper, /reward       Scalars, every series named
     /state/gripper, /state/success             StateChange
     /observation/<group>    Scalars            each group of the observation, such as cube_pos
     /joints                 Scalars            rad
     /about                  TextDocument       what the log says of itself
+
+What an episode does not have is left out: a robot that is not known here has no geometry, and an
+end effector whose position is not recognised no path.
 """
 
 from __future__ import annotations
@@ -19,19 +23,24 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lfr.artifacts import write_whole
-from lfr.data.episode import ENVIRONMENT_STATE, STATE, Episode
+from lfr.data.episode import FPS, JOINT_POSITION, REWARD, SUCCESS, Episode
+from lfr.robots import ROBOTS
 from lfr.view.blueprint import EpisodeLayout, episode_blueprint
 from lfr.view.eye import eye_on
-from lfr.view.features import log_features, observation_groups, observation_title
-from lfr.view.motion import Poses, poses_of
-from lfr.view.path import log_path
-from lfr.view.scene import WORLD, body_path, log_scene, moving_bodies
-from lfr.view.series import frame_times
+from lfr.view.features import action_groups, is_own_action, log_features, observation_groups
+from lfr.view.motion import Poses, in_known_scene, poses_of
+from lfr.view.path import end_effector_path, log_path
+from lfr.view.scene import WORLD, body_path, log_arm, log_scene, moving_bodies
+from lfr.view.series import fps_of, frame_times
 
 if TYPE_CHECKING:
     import rerun as rr
+
+UNSAID = "unsaid"
+"""Key of an episode's metadata: which of `seed` and `success` the data does not say."""
 
 
 def episode_title(episode: Episode, note: str | None = None) -> str:
@@ -39,9 +48,26 @@ def episode_title(episode: Episode, note: str | None = None) -> str:
 
     The note stands first, since rerun's list of recordings shows some fifteen letters.
     """
-    outcome = "success" if episode.success else "failure"
-    title = f"{episode.robot} · {episode.task} · seed {episode.seed} · {outcome}"
-    return f"{note} · {title}" if note else title
+    words = [note, *scene_words(episode), seed_of(episode), outcome_of(episode)]
+    return " · ".join(word for word in words if word) or "episode"
+
+
+def scene_words(episode: Episode) -> list[str]:
+    """The robot and the task, by its instruction where it has no name; what is known of them."""
+    task = episode.task or str(episode.metadata.get("instruction") or "")
+    return [word for word in (episode.robot, task) if word]
+
+
+def seed_of(episode: Episode) -> str | None:
+    """`seed 3`, or None where the data does not say."""
+    return None if "seed" in episode.metadata.get(UNSAID, ()) else f"seed {episode.seed}"
+
+
+def outcome_of(episode: Episode) -> str | None:
+    """`success`, `failure`, or None where the data does not say."""
+    if "success" in episode.metadata.get(UNSAID, ()):
+        return None
+    return "success" if episode.success else "failure"
 
 
 def save_episode(path: Path, episode: Episode, poses: Poses | None = None) -> None:
@@ -61,15 +87,31 @@ def save_episode(path: Path, episode: Episode, poses: Poses | None = None) -> No
 
 def episode_layout(episode: Episode, poses: Poses, note: str | None = None) -> EpisodeLayout:
     """What the layout of an episode depends on; `note` stands before its title."""
-    seen = [poses[b][:, :3] for b in moving_bodies(episode.robot, episode.task) if b in poses]
-    keys = [key for key in (STATE, ENVIRONMENT_STATE) if key in episode.schema]
-    names = [name for key in keys for name in episode.schema[key].names or ()]
+    seen, there = places_seen(episode, poses), episode.features
+    has = {
+        "/state": SUCCESS in there or is_own_action(episode),
+        "/reward": REWARD in there,
+        "/joints": JOINT_POSITION in there,
+    }
     return EpisodeLayout(
         title=episode_title(episode, note),
         cameras=tuple(episode.images),
-        groups={group: observation_title(group) for group in observation_groups(names)},
-        eye=eye_on(np.concatenate(seen)),
+        groups={name: group.title for name, group in observation_groups(episode).items()},
+        eye=eye_on(seen) if len(seen) else None,
+        actions={name: group.title for name, group in action_groups(episode).items()},
+        absent=frozenset(entity for entity, is_there in has.items() if not is_there),
     )
+
+
+def places_seen(episode: Episode, poses: Poses) -> NDArray[np.float64]:
+    """Where the 3-D view has something that moves, (N, 3) (m); N is 0 where there is nothing."""
+    if poses and episode.robot in ROBOTS:
+        scene = moving_bodies(episode.robot, episode.task) if in_known_scene(episode) else poses
+        seen = [poses[body][:, :3] for body in scene if body in poses]
+        if seen:
+            return np.concatenate(seen)
+    path = end_effector_path(episode, poses)
+    return np.zeros((0, 3)) if path is None else path[np.isfinite(path).all(axis=1)]
 
 
 def log_episode(
@@ -88,21 +130,36 @@ def log_episode(
 
     Raises:
         DataError: the poses cannot be known from what the episode holds.
-        UnknownNameError: a robot or task that this project does not know.
     """
     title = episode_title(episode) if title is None else title
     recording.send_recording_name(title)
     poses = poses_of(episode) if poses is None else poses
-    moving = log_scene(recording, episode.robot, episode.task)
-    log_poses(recording, {body: poses[body] for body in moving if body in poses})
-    log_cube_size(recording, episode)
+    log_bodies(recording, episode, poses)
     log_path(recording, episode, poses)
     log_cameras(recording, episode)
     log_features(recording, episode)
     log_about(recording, episode, title)
 
 
-def log_poses(recording: rr.RecordingStream, poses: Poses, world: str = WORLD) -> None:
+def log_bodies(recording: rr.RecordingStream, episode: Episode, poses: Poses) -> None:
+    """Log what can be seen of the bodies whose poses are known: the scene, or the arm alone."""
+    import rerun as rr
+
+    shown: tuple[str, ...] = ()
+    if poses and in_known_scene(episode):
+        shown = log_scene(recording, episode.robot, episode.task, placed=poses.keys())
+        if "cube_main" in shown:
+            log_cube_size(recording, episode)
+    else:
+        recording.log(WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
+        if poses and episode.robot in ROBOTS:
+            shown = log_arm(recording, episode.robot, poses.keys())
+    log_poses(recording, {body: poses[body] for body in shown}, fps=fps_of(episode))
+
+
+def log_poses(
+    recording: rr.RecordingStream, poses: Poses, world: str = WORLD, fps: float = FPS
+) -> None:
     """Log the poses (N, 7) of bodies, one row a frame; a single row holds for the whole episode."""
     import rerun as rr
 
@@ -111,7 +168,7 @@ def log_poses(recording: rr.RecordingStream, poses: Poses, world: str = WORLD) -
             translation=rows[:, :3],
             quaternion=np.roll(rows[:, 3:], -1, axis=1),  # wxyz -> xyzw
         )
-        times = frame_times(np.arange(len(rows)))
+        times = frame_times(np.arange(len(rows)), fps)
         recording.send_columns(body_path(body, world), indexes=times, columns=columns)
 
 
@@ -132,8 +189,9 @@ def log_cameras(recording: rr.RecordingStream, episode: Episode) -> None:
     for camera, files in episode.images.items():
         path = f"/camera/{camera}"
         recording.log(path, rr.EncodedImage.from_fields(media_type="image/jpeg"), static=True)
+        times = frame_times(np.arange(len(files)), fps_of(episode))
         columns = rr.EncodedImage.columns(blob=list(files))
-        recording.send_columns(path, indexes=frame_times(np.arange(len(files))), columns=columns)
+        recording.send_columns(path, indexes=times, columns=columns)
 
 
 def log_about(recording: rr.RecordingStream, episode: Episode, title: str) -> None:
@@ -143,11 +201,11 @@ def log_about(recording: rr.RecordingStream, episode: Episode, title: str) -> No
     known = {
         "robot": episode.robot,
         "task": episode.task,
-        "seed": episode.seed,
-        "success": "yes" if episode.success else "no",
+        "seed": episode.seed if seed_of(episode) else "",
+        "success": {"success": "yes", "failure": "no", None: ""}[outcome_of(episode)],
         "frames": len(episode),
         **{k: v for k, v in episode.metadata.items() if isinstance(v, str | int | float)},
     }
-    rows = "\n".join(f"| {key} | {value} |" for key, value in known.items())
+    rows = "\n".join(f"| {key} | {value} |" for key, value in known.items() if value != "")
     text = f"# {title}\n\n| | |\n|---|---|\n{rows}\n"
     recording.log("/about", rr.TextDocument(text, media_type="text/markdown"), static=True)

@@ -1,12 +1,16 @@
-"""An episode's features as named series: action, gripper, reward, success, observation, joints."""
+"""An episode's features as named series: action, gripper, reward, success, observation, joints.
+
+The action that is this project's is seen as translation, rotation and gripper. Of any other layout
+nothing is known but its names: its dimensions are seen in the groups that these make.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lfr.data.episode import (
     ACTION,
@@ -17,8 +21,17 @@ from lfr.data.episode import (
     SUCCESS,
     Episode,
 )
+from lfr.robots import ACTION_NAMES
 from lfr.view import series
-from lfr.view.series import CLOSING_COLOR, OPEN_COLOR, frame_times, log_series, log_states
+from lfr.view.series import (
+    CLOSING_COLOR,
+    OPEN_COLOR,
+    entity_part,
+    fps_of,
+    frame_times,
+    log_series,
+    log_states,
+)
 
 if TYPE_CHECKING:
     import rerun as rr
@@ -26,65 +39,124 @@ if TYPE_CHECKING:
 APERTURE_SCALE = 0.08
 """m; the common scale of both arms' apertures."""
 
+GRIPPER = ("gripper_aperture", "gripper_command")  # of this project's state
+OBSERVATION = "observation."
 FAILURE, SUCCESSFUL = (90, 94, 102), series.GREEN
+
+
+@dataclass(frozen=True)
+class Group:
+    """Dimensions of a feature that are seen together.
+
+    Attributes:
+        key: of the feature.
+        title: for people, with the unit where the name tells it.
+        indices: of the dimensions.
+        parts: what each is called within the group.
+    """
+
+    key: str
+    title: str
+    indices: tuple[int, ...]
+    parts: tuple[str, ...]
 
 
 def log_features(recording: rr.RecordingStream, episode: Episode) -> None:
     """Log action, gripper, reward, success, observation and joints as named series."""
     features, schema = episode.features, episode.schema
-    times = frame_times(np.arange(len(episode)))
+    times = frame_times(np.arange(len(episode)), fps_of(episode))
 
-    action = np.asarray(features[ACTION])
-    names = tuple(schema[ACTION].names or ()) or tuple(
-        f"action_{k}" for k in range(action.shape[1])
-    )
-    log_series(recording, "/action/translation", times, action[:, :3], names[:3])
-    log_series(recording, "/action/rotation", times, action[:, 3:-1], names[3:-1])
-    log_series(recording, "/action/gripper", times, action[:, -1], ["action"], [series.AMBER])
-
+    if is_own_action(episode):
+        action, names = np.asarray(features[ACTION]), ACTION_NAMES
+        log_series(recording, "/action/translation", times, action[:, :3], names[:3])
+        log_series(recording, "/action/rotation", times, action[:, 3:-1], names[3:-1])
+        log_series(recording, "/action/gripper", times, action[:, -1], ["action"], [series.AMBER])
+        words = np.where(action[:, -1] > 0, "close", "open")
+        colors = {"open": OPEN_COLOR, "close": CLOSING_COLOR}
+        log_states(recording, "/state/gripper", times, list(words), colors)
     if REWARD in features:
         log_series(recording, "/reward", times, features[REWARD], ["reward"], [series.VIOLET])
     if SUCCESS in features:
         words = np.where(features[SUCCESS], "success", "not yet")
         colors = {"not yet": FAILURE, "success": SUCCESSFUL}
         log_states(recording, "/state/success", times, list(words), colors)
-    words = np.where(action[:, -1] > 0, "close", "open")
-    colors = {"open": OPEN_COLOR, "close": CLOSING_COLOR}
-    log_states(recording, "/state/gripper", times, list(words), colors)
 
-    state = features.get(STATE)
-    if state is not None and state.shape[1] == 11:
-        opening = np.stack([state[:, 9] / APERTURE_SCALE, state[:, 10]], axis=1)
+    names = (schema[STATE].names or ()) if STATE in features else ()
+    if set(GRIPPER) <= set(names):
+        aperture, command = (features[STATE][:, names.index(name)] for name in GRIPPER)
+        opening = np.stack([aperture / APERTURE_SCALE, command], axis=1)
         labels = [f"aperture (1 = {100 * APERTURE_SCALE:.0f} cm)", "integrated command"]
         log_series(recording, "/gripper", times, opening, labels, [series.TEAL, series.GREY])
-    for key in (STATE, ENVIRONMENT_STATE):
-        if key in features:
-            _log_groups(recording, times, features[key], schema[key].names or ())
+    _log_groups(recording, "/action", times, episode, action_groups(episode))
+    _log_groups(recording, "/observation", times, episode, observation_groups(episode))
     if JOINT_POSITION in features:
         joints = [name.removeprefix("robot0_") for name in schema[JOINT_POSITION].names or ()]
         log_series(recording, "/joints", times, features[JOINT_POSITION], joints)
 
 
-def observation_groups(names: Sequence[str]) -> dict[str, list[int]]:
-    """Dimensions by the part of their name before the dot: `cube_pos` -> [0, 1, 2]."""
-    groups: dict[str, list[int]] = {}
+def is_own_action(episode: Episode) -> bool:
+    """Whether the action is this project's: OSC_POSE deltas and the gripper."""
+    return episode.schema[ACTION].names == ACTION_NAMES
+
+
+def action_groups(episode: Episode) -> dict[str, Group]:
+    """The groups of an action of another layout, by entity below `/action`; {} of our own."""
+    names = episode.schema[ACTION].names or ()
+    return {} if is_own_action(episode) else _groups(ACTION, names, {}, str)
+
+
+def observation_groups(episode: Episode) -> dict[str, Group]:
+    """The groups of all that was observed, joints aside, by entity below `/observation`."""
+    others = [
+        key
+        for key, values in episode.features.items()
+        if key.startswith(OBSERVATION) and np.asarray(values).dtype.kind in "biuf"
+    ]
+    title = _metric if is_own_action(episode) else str  # what unit others use, no name says
+    found: dict[str, Group] = {}
+    for key in dict.fromkeys([STATE, ENVIRONMENT_STATE, *others]):
+        if key in episode.features and key != JOINT_POSITION:
+            found |= _groups(key, episode.schema[key].names or (), found, title)
+    return found
+
+
+def _groups(
+    key: str, names: Sequence[str], taken: Mapping[str, Group], title: Callable[[str], str]
+) -> dict[str, Group]:
+    """Dimensions by the part of their name before the dot: `cube_pos.x` is one of `cube_pos`.
+
+    They are all one group, called as the feature is, where that would leave each on its own.
+    """
+    stems: dict[str, list[int]] = {}
     for index, name in enumerate(names):
-        groups.setdefault(name.split(".")[0], []).append(index)
-    return groups
+        stems.setdefault(name.partition(".")[0], []).append(index)
+    feature = key.rpartition(".")[2]
+    if len(stems) == len(names) > 1:
+        stems = {feature: list(range(len(names)))}
+    found: dict[str, Group] = {}
+    for stem, indices in stems.items():
+        entity = entity_part(stem)
+        while entity in taken or entity in found:
+            entity = f"{entity_part(feature)}_{entity}"
+        parts = [names[index].removeprefix(f"{stem}.") for index in indices]
+        found[entity] = Group(key, title(stem), tuple(indices), tuple(parts))
+    return found
 
 
-def observation_title(group: str) -> str:
-    """A group of the observation with its unit: positions, offsets and the aperture are lengths."""
+def _metric(group: str) -> str:
+    """A group with its unit: positions, offsets and the aperture are lengths."""
     length = group.endswith(("_pos", "_aperture")) or "_to_" in group
     return f"{group} (m)" if length else group
 
 
 def _log_groups(
     recording: rr.RecordingStream,
+    path: str,
     times: list[rr.TimeColumn],
-    values: NDArray[np.float32],
-    names: Sequence[str],
+    episode: Episode,
+    groups: Mapping[str, Group],
 ) -> None:
-    for group, indices in observation_groups(names).items():
-        parts = [names[index].partition(".")[2] or group for index in indices]
-        log_series(recording, f"/observation/{group}", times, values[:, indices], parts)
+    for entity, group in groups.items():
+        values = np.asarray(episode.features[group.key], np.float64)
+        table = values.reshape(len(values), -1)[:, group.indices]  # (T, dimensions)
+        log_series(recording, f"{path}/{entity}", times, table, group.parts)

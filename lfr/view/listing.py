@@ -33,10 +33,7 @@ def dataset_entries(path: Path) -> list[Entry]:
     rows = files.episodes
     numbers = rows[EPISODE].to_numpy()
     lengths = rows["length"].to_pylist()
-    known = {
-        name: rows[name].to_pylist() if name in rows.column_names else [None] * len(numbers)
-        for name in ("success", "seed")
-    }
+    known = {name: _column(rows, name, kind) for name, kind in (("success", bool), ("seed", int))}
     rewards, successes = _per_episode(files, numbers)
     entries = [
         Entry(
@@ -95,6 +92,13 @@ def summary(entries: Sequence[Entry], of: int | None = None, fps: float = FPS) -
     if said:
         parts.append(f"{sum(said)} succeeded")
     return ", ".join([*parts, f"{frames} frames", f"{frames / fps:.0f} s"])
+
+
+def _column(rows: Any, name: str, kind: type) -> list[Any]:
+    """A column of meta/episodes, None where there is none or it holds something else."""
+    if name not in rows.column_names:
+        return [None] * len(rows)
+    return [value if isinstance(value, kind) else None for value in rows[name].to_pylist()]
 
 
 def _per_episode(

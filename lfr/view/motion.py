@@ -1,4 +1,4 @@
-"""Where every body is at every frame of an episode: from its log, its states or its observations.
+"""Where every body is at every frame of an episode: from its log, states, observations or joints.
 
 Poses are a dictionary from body to (N, 7): position x y z (m) and quaternion qw qx qy qz, in the
 world frame; N is T + 1 where the pose after the last action is known, else T.
@@ -13,8 +13,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+import lfr.robots
+import lfr.tasks
 from lfr.data.episode import ENVIRONMENT_STATE, JOINT_POSITION, STATE, Episode
 from lfr.errors import DataError
+from lfr.robots import ROBOTS, Robot
+from lfr.sim.layout import STATE_NAMES
+from lfr.tasks import TASKS
 
 Poses = Mapping[str, NDArray[np.float64]]
 
@@ -26,9 +31,12 @@ def poses_of(episode: Episode, log: Path | None = None) -> Poses:
         episode: the episode.
         log: the MCAP file that it came from, if it is at hand.
 
+    Returns:
+        The poses; of the arm alone, where its joints are all that is known; none of a robot that
+        is not known here, or that says nothing of its joints.
+
     Raises:
-        DataError: the log is damaged, or a column that the poses need is missing.
-        UnknownNameError: the episode's robot or task is not known here.
+        DataError: the log is damaged, or its states are of another simulation.
     """
     if log is not None:
         from lfr.data.log_reader import body_poses
@@ -36,9 +44,16 @@ def poses_of(episode: Episode, log: Path | None = None) -> Poses:
         poses = body_poses(log)
         if poses:
             return poses
-    if len(episode.simulator_state):
+    if len(episode.simulator_state) and in_known_scene(episode):
         return poses_of_states(episode)
-    return poses_of_observations(episode)
+    if _observes_scene(episode):
+        return poses_of_observations(episode)
+    return poses_of_joints(episode) if _has_joints(episode) else {}
+
+
+def in_known_scene(episode: Episode) -> bool:
+    """Whether this project can build the scene that an episode happened in."""
+    return episode.robot in ROBOTS and episode.task in TASKS
 
 
 def poses_of_states(episode: Episode) -> Poses:
@@ -84,8 +99,6 @@ def poses_of_observations(episode: Episode) -> Poses:
     """
     import mujoco
 
-    import lfr.robots
-    import lfr.tasks
     from lfr.view.scene import kinematic_model
 
     robot, task = lfr.robots.robot(episode.robot), lfr.tasks.task(episode.task)
@@ -121,6 +134,78 @@ def poses_of_observations(episode: Episode) -> Poses:
         rows.append(np.hstack([data.xpos, data.xquat]))
     stacked = np.array(rows)  # (T, bodies, 7)
     return {model.body(b).name: stacked[:, b] for b in range(1, model.nbody)}
+
+
+def poses_of_joints(episode: Episode) -> Poses:
+    """Poses (T, 7) of an arm's bodies from its joint positions, through MuJoCo's kinematics.
+
+    They are in the world of the episode's task. Where the task is not known here, the origin is the
+    arm's base. The fingers stand as the state says (`FINGERS`), else as at MuJoCo's zero.
+
+    Raises:
+        UnknownNameError: no robot of that name.
+    """
+    import mujoco
+
+    from lfr.view.scene import ANY_TASK, kinematic_model
+
+    robot, known = lfr.robots.robot(episode.robot), in_known_scene(episode)
+    model = kinematic_model(robot.name, episode.task if known else ANY_TASK)
+    data = mujoco.MjData(model)
+    joints = [model.joint(name).qposadr[0] for name in robot.joints]
+    fingers = [model.joint(name).qposadr[0] for name in robot.finger_joints]
+    opening = _fingers(episode, robot)
+    base = model.body(robot.base_body).id
+    arm = np.flatnonzero(model.body_rootid == model.body_rootid[base])
+    rows = np.empty((len(episode), len(arm), 7))
+    for t, row in enumerate(rows):
+        data.qpos[joints] = episode.features[JOINT_POSITION][t]
+        if opening is not None:
+            data.qpos[fingers] = opening[t]
+        mujoco.mj_kinematics(model, data)
+        row[:, :3], row[:, 3:] = data.xpos[arm], data.xquat[arm]
+    if not known:
+        rows[:, :, :3] -= data.xpos[base]  # robosuite moves an arm's base and does not turn it
+    return {model.body(b).name: rows[:, i] for i, b in enumerate(arm)}
+
+
+FINGERS = (("gripper_aperture",), ("robot0_gripper_qpos.0", "robot0_gripper_qpos.1"))
+"""Names of the state's dimensions that say where the fingers are: this project's, robosuite's."""
+
+
+def _fingers(episode: Episode, robot: Robot) -> NDArray[np.float64] | None:
+    """(T, 2) positions of the finger joints (m), or None where the state does not say them."""
+    names = _names(episode, STATE)
+    for wanted in FINGERS:
+        if set(wanted) <= set(names):
+            places = [names.index(name) for name in wanted]
+            found = np.asarray(episode.features[STATE], np.float64)[:, places]
+            if len(wanted) == 2:
+                return found
+            opening = (found - robot.pad_gap_at_zero) / 2
+            return np.hstack([opening, -opening])
+    return None
+
+
+def _observes_scene(episode: Episode) -> bool:
+    """Whether an episode's observations are those that this project makes of its scene."""
+    if not (in_known_scene(episode) and _has_joints(episode)):
+        return False
+    environment = lfr.tasks.task(episode.task).environment_names
+    names = _names(episode, STATE), _names(episode, ENVIRONMENT_STATE)
+    return names == (STATE_NAMES, environment)
+
+
+def _has_joints(episode: Episode) -> bool:
+    """Whether an arm that is known here says the angle of each of its joints."""
+    if episode.robot not in ROBOTS or JOINT_POSITION not in episode.features:
+        return False
+    count = len(lfr.robots.robot(episode.robot).joints)
+    return episode.features[JOINT_POSITION].shape[1:] == (count,)
+
+
+def _names(episode: Episode, key: str) -> tuple[str, ...]:
+    return (episode.schema[key].names or ()) if key in episode.features else ()
 
 
 def _groups(

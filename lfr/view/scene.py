@@ -8,7 +8,7 @@ user's cache, and every later one reads it.
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable, Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from rerun.experimental import Chunk
 
 WORLD = "/world"
+ANY_TASK = "lift"  # its scene gives the geometry of an arm whose own task is not known
 SCENE, MODEL = "scene.rrd", "model.mjb"
 APPLICATION = "lfr"
 
@@ -34,7 +35,12 @@ def body_path(body: str, world: str = WORLD) -> str:
 
 
 def log_scene(
-    recording: rr.RecordingStream, robot: str, task: str, world: str = WORLD
+    recording: rr.RecordingStream,
+    robot: str,
+    task: str,
+    world: str = WORLD,
+    *,
+    placed: Collection[str] | None = None,
 ) -> tuple[str, ...]:
     """Log everything that can be seen of `robot` in `task`, without motion.
 
@@ -44,6 +50,7 @@ def log_scene(
         recording: where to log to.
         robot, task: names, as in `lfr.robots` and `lfr.tasks`.
         world: path under which the bodies stand; another one sets a second scene beside the first.
+        placed: bodies whose poses are known; what moves and is none of them is left out.
 
     Returns:
         The names of the bodies that move.
@@ -52,10 +59,26 @@ def log_scene(
         UnknownNameError: no robot or task has that name.
     """
     chunks = _chunks(robot, task)
-    recording.send_chunks(
-        chunk.with_entity_path(world + chunk.entity_path.removeprefix(WORLD)) for chunk in chunks
-    )
-    return _moving(chunks)
+    moving = _moving(chunks)
+    hidden = () if placed is None else set(moving) - set(placed)
+    _send(recording, [chunk for chunk in chunks if _body(chunk) not in hidden], world)
+    return tuple(body for body in moving if body not in hidden)
+
+
+def log_arm(recording: rr.RecordingStream, robot: str, placed: Collection[str]) -> tuple[str, ...]:
+    """Log what can be seen of the bodies `placed` of an arm and nothing around it, all poses aside.
+
+    Returns:
+        The names of the bodies that can be seen; even those that never move have no transform yet.
+
+    Raises:
+        UnknownNameError: no robot has that name.
+    """
+    chunks = _chunks(robot, ANY_TASK)
+    fixed = {body_path(body) for body in placed}
+    shown = [c for c in chunks if _body(c) in placed and c.entity_path not in fixed]
+    _send(recording, shown, WORLD)
+    return tuple(dict.fromkeys(body for chunk in shown if (body := _body(chunk))))
 
 
 def moving_bodies(robot: str, task: str) -> tuple[str, ...]:
@@ -73,10 +96,21 @@ def _chunks(robot: str, task: str) -> list[Chunk]:
     return RrdReader(scene_folder(robot, task) / SCENE).stream().to_chunks()
 
 
+def _send(recording: rr.RecordingStream, chunks: Sequence[Chunk], world: str) -> None:
+    recording.send_chunks(
+        chunk.with_entity_path(world + chunk.entity_path.removeprefix(WORLD)) for chunk in chunks
+    )
+
+
 def _moving(chunks: list[Chunk]) -> tuple[str, ...]:
-    parts = [chunk.entity_path.removeprefix(WORLD).split("/")[1:] for chunk in chunks]
-    fixed = {part[0] for part in parts if len(part) == 1}  # a pose of its own
-    return tuple(dict.fromkeys(part[0] for part in parts if part and part[0] not in fixed))
+    fixed = {_body(chunk) for chunk in chunks if chunk.entity_path.count("/") == 2}  # have a pose
+    bodies = dict.fromkeys(_body(chunk) for chunk in chunks)
+    return tuple(body for body in bodies if body and body not in fixed)
+
+
+def _body(chunk: Chunk) -> str | None:
+    """The body that an entity `/world/<body>/...` is of; None of the world itself."""
+    return next(iter(chunk.entity_path.removeprefix(WORLD).split("/")[1:]), None)
 
 
 def kinematic_model(robot: str, task: str) -> mujoco.MjModel:
@@ -94,7 +128,7 @@ def scene_folder(robot: str, task: str) -> Path:
     made_of = fingerprint(
         lfr.robots.robot(robot).name,
         lfr.tasks.task(task).name,
-        code_fingerprint("lfr.view.geometry", "lfr.view.scene"),
+        code_fingerprint("lfr.view.geometry", "lfr.view.scene", "lfr.sim.scene"),
         *(version(package) for package in ("robosuite", "mujoco", "rerun-sdk")),
     )
     folder = _cache() / f"{robot}-{task}-{made_of}"

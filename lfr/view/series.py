@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lfr.data.episode import FPS
+from lfr.data.episode import FPS, Episode
 
 if TYPE_CHECKING:
     import rerun as rr
@@ -20,6 +21,16 @@ AMBER, TEAL, VIOLET = (255, 178, 56), (64, 200, 200), (176, 132, 255)
 GREY, WHITE = (150, 155, 165), (236, 238, 242)
 PALETTE: tuple[Color, ...] = (RED, GREEN, BLUE, AMBER, TEAL, VIOLET, GREY, WHITE)
 OPEN_COLOR, CLOSING_COLOR = BLUE, AMBER  # what the gripper is told to do
+
+
+def fps_of(episode: Episode) -> float:
+    """Frames per second of an episode: what its log or dataset says, else this project's."""
+    return float(episode.metadata.get("fps") or FPS)
+
+
+def entity_part(name: str) -> str:
+    """A name as a part of an entity's path; rerun would have anything else escaped."""
+    return re.sub(r"[^A-Za-z0-9_.-]", "_", name)
 
 
 def frame_times(frames: ArrayLike, fps: float = FPS) -> list[rr.TimeColumn]:

@@ -264,7 +264,7 @@ def test_what_differs_from_the_logs_is_not_given_the_name(
         "_arrow",
         lambda values, type: write(values + 1 if values.shape[1:] == (3,) else values, type),
     )
-    with pytest.raises(DataError, match=r"differs from its log.*environment_state"):
+    with pytest.raises(DataError, match=r"differs from its source.*environment_state"):
         pack_dataset(logs[:1], tmp_path / "out", video=False)
     assert list(tmp_path.iterdir()) == []
 

@@ -109,6 +109,19 @@ def test_the_command_of_the_error_converts_it(
     assert "nothing to import" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    "arguments", [["view", "--list"], ["view", "--save", "out.rrd"], ["verify"]]
+)
+def test_every_reader_says_that_command(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], arguments: list[str]
+) -> None:
+    write_v21(tmp_path / "old")
+    assert main([*arguments, str(tmp_path / "old")]) == 2
+    error = capsys.readouterr().err
+    assert f"--root={tmp_path / 'old'}" in error
+    assert "found v2.1, expected v3.0" in error
+
+
 def test_a_folder_that_is_no_dataset(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["import", str(tmp_path), "--to", str(tmp_path / "out")]) == 2
     assert "a folder: " in capsys.readouterr().err

@@ -10,6 +10,7 @@ import pytest
 
 from lfr.artifacts import read_json
 from lfr.cli import main
+from lfr.data import frames as frame_files
 from lfr.data.windows import read_dataset
 from lfr.errors import DataError, LfrError, ParameterError
 from lfr.importing.columns import action_names, object_parts
@@ -235,6 +236,22 @@ def test_a_file_cut_off_or_of_another_kind(tmp_path: Path) -> None:
     for name, message in (("cut", "cut off"), ("other", "not a robomimic file"), ("no", "missing")):
         with pytest.raises(DataError, match=message):
             import_robomimic(tmp_path / f"{name}.hdf5", tmp_path / "out")
+
+
+def test_what_differs_from_the_file_is_not_given_the_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As if the disk had changed an action between writing and reading."""
+    write = frame_files._arrow
+    monkeypatch.setattr(
+        frame_files,
+        "_arrow",
+        lambda values, type: write(values + 1 if values.shape[1:] == (7,) else values, type),
+    )
+    file = small(tmp_path)
+    with pytest.raises(DataError, match=r"differs from its source.*column (observation|action)"):
+        import_robomimic(file, tmp_path / "out")
+    assert [path.name for path in tmp_path.iterdir()] == ["low_dim.hdf5"]
 
 
 def test_nothing_is_overwritten(tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ import pytest
 
 from lfr.sim.stock import make_stock_environment
 from lfr.view.geometry import visible_bodies
-from lfr.view.scene import SCENE, kinematic_model, scene_folder
+from lfr.view.scene import SCENE, scene_folder
 
 from . import rrd
 
@@ -62,10 +62,9 @@ def _bounds(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> tuple[np.n
     return world.min(axis=0), world.max(axis=0)
 
 
-def test_only_bodies_that_never_move_have_a_static_pose() -> None:
+def test_only_bodies_that_never_move_have_a_static_pose(model: mujoco.MjModel) -> None:
     entities = rrd.read(scene_folder("panda", "lift") / SCENE)
     posed = {path.split("/")[2] for path, c in entities.items() if "Transform3D:translation" in c}
     assert "table" in posed
     assert not posed & {"cube_main", "robot0_link1", "gripper0_right_leftfinger"}
-    model = kinematic_model("panda", "lift")
     assert all(model.body_weldid[model.body(name).id] == 0 for name in posed)
