@@ -6,7 +6,7 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 import numpy as np
@@ -98,10 +98,19 @@ class Contents:
         return [key for key, feature in self.features.items() if feature.get("dtype") == dtype]
 
     def named(self, template: str, **indices: Any) -> str:
-        """A file by the format string of info.json called `template`, relative to the folder."""
+        """A file by the format string of info.json called `template`, relative to the folder.
+
+        Raises:
+            Unreadable: it is no format string, or names a place outside of the folder.
+        """
         with unreadable("info", "no such path", KeyError, AttributeError, IndexError, ValueError,
-                        file=INFO, column=template):  # fmt: skip
-            return self.info[template].format(**indices)
+                        TypeError, file=INFO, column=template):  # fmt: skip
+            name = self.info[template].format(**indices)
+        place = PurePosixPath(name)
+        if place.is_absolute() or ".." in place.parts:
+            raise Unreadable(Finding("info", "a path that leads out of the dataset", file=INFO,
+                                     column=template, found=name))  # fmt: skip
+        return name
 
     def relative(self, file: Path) -> str:
         return file.relative_to(self.path).as_posix()

@@ -44,9 +44,14 @@ def _described(key: str, feature: dict[str, Any]) -> Iterator[Finding]:
     if not (isinstance(shape, list) and all(isinstance(s, int) and s > 0 for s in shape)):
         yield Finding("schema", "no shape", file=INFO, column=key, found=shape,
                       expected="positive numbers")  # fmt: skip
-    elif isinstance(names, list) and len(shape) == 1 and names and len(names) != shape[0]:
+    elif isinstance(names, list) and len(shape) == 1 and names and len(_flat(names)) != shape[0]:
         yield Finding("schema", "another number of names than dimensions", file=INFO, column=key,
-                      found=len(names), expected=shape[0])  # fmt: skip
+                      found=len(_flat(names)), expected=shape[0])  # fmt: skip
+
+
+def _flat(names: list[Any]) -> list[Any]:
+    """Some recorders put a list of the names of all dimensions into another list."""
+    return names[0] if len(names) == 1 and isinstance(names[0], list) else names
 
 
 def _file(contents: Contents, name: str, schema: pa.Schema) -> Iterator[Finding]:

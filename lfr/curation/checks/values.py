@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+import pyarrow as pa
 from numpy.typing import NDArray
 
 from lfr.curation.checks.ranges import bounds
@@ -122,13 +123,25 @@ def _outcomes(contents: Contents, there: Runs) -> Iterator[Finding]:
         if not any_success.any():
             yield Finding("success", "no successful episode", "warning", "data", column=SUCCESS,
                           found=f"0 of {len(any_success)}")  # fmt: skip
-        if "success" in contents.episodes.column_names:
-            said = contents.episode_column("success").astype(bool)
-            if len(said) == len(any_success) and (wrong := said != any_success).any():
+        said = _said(contents)
+        if len(said) == len(any_success):
+            wrong = np.array(
+                [s is not None and s != a for s, a in zip(said, any_success, strict=True)]
+            )
+            if wrong.any():
                 at, places = first(wrong)
                 yield Finding("success", "another outcome than its rows have", file=EPISODES,
-                              episode=at, column="success", found=bool(said[at]),
+                              episode=at, column="success", found=said[at],
                               expected=bool(any_success[at]), places=places)  # fmt: skip
+
+
+def _said(contents: Contents) -> list[bool | None]:
+    """The column `success` of meta/episodes; None where it has a gap, as after merging."""
+    episodes = contents.episodes
+    if "success" not in episodes.column_names:
+        return []
+    column = episodes["success"]
+    return column.to_pylist() if pa.types.is_boolean(column.type) else []
 
 
 def _only(rows: NDArray, count: int) -> NDArray[np.bool_]:
