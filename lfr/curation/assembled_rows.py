@@ -40,7 +40,8 @@ def write_rows(out: Path, sources: Sequence[Source]) -> Rows:
         DataError: rows that cannot be read, or that are not those of the episode.
     """
     model = sources[0].contents
-    limit = (model.info.get("data_files_size_in_mb") or MEGABYTES) * 2**20
+    said = model.info.get("data_files_size_in_mb")
+    limit = (said if isinstance(said, int | float) and said > 0 else MEGABYTES) * 2**20
     tasks: dict[str, int] = {}
     writer: pq.ParquetWriter | None = None
     files, size, start = 0, 0, 0

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lfr.curation.clips import Clip, write_clip
+from lfr.curation.features import settings_of
 from lfr.curation.finding import readable
 from lfr.curation.parts import Source, files_per_chunk, new_file
 
@@ -45,7 +46,7 @@ def write_videos(
         files.append(len(clips) - 1)
     for number, clip in enumerate(clips):
         path = new_file(out, model, "video_path", number, video_key=key)
-        how[write_clip(clip, path, model.fps, model.features[key].get("info"))] += 1
+        how[write_clip(clip, path, model.fps, settings_of(model.features[key]))] += 1
     chunk, file = np.divmod(np.array(files), files_per_chunk(model))
     first, lengths = np.array(firsts), np.concatenate([source.lengths for source in sources])
     return {
@@ -58,7 +59,7 @@ def write_videos(
 
 def shared_settings(sources: Sequence[Source], key: str) -> dict[str, Any]:
     """A camera's `info`: what the parts do not share is null, as in LeRobot's own merging."""
-    infos = [source.contents.features[key].get("info") or {} for source in sources]
+    infos = [settings_of(source.contents.features[key]) for source in sources]
     return {
         name: value if all(info.get(name) == value for info in infos) else None
         for name, value in infos[0].items()

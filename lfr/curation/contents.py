@@ -14,6 +14,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
+from lfr.curation.features import shape_of
 from lfr.curation.finding import Finding, Unreadable, unreadable
 from lfr.data import tables
 from lfr.data.tables import VERSION
@@ -91,7 +92,7 @@ class Contents:
         return [
             key
             for key, feature in self.features.items()
-            if feature.get("dtype") not in NOT_NUMBERS and len(feature.get("shape") or ()) == 1
+            if feature.get("dtype") not in NOT_NUMBERS and len(shape_of(feature)) == 1
         ]
 
     def pictures(self, dtype: str = "video") -> list[str]:

@@ -76,7 +76,8 @@ def new_file(out: Path, model: Contents, template: str, number: int, **names: st
 
 
 def files_per_chunk(model: Contents) -> int:
-    return int(model.info.get("chunks_size") or CHUNK)
+    found = model.info.get("chunks_size")
+    return found if isinstance(found, int) and found > 0 else CHUNK
 
 
 def _same_kind(first: Contents, other: Contents) -> None:

@@ -191,3 +191,31 @@ def test_a_report_is_one_line(tmp_path: Path) -> None:
     assert (
         json.loads(json.dumps(report.as_json(), allow_nan=False))["findings"][0]["found"] == "nan"
     )
+
+
+@pytest.mark.parametrize("wrong", [3, "x", [[1], [2, 3]], {}, None])
+def test_whatever_stands_in_the_json_is_no_traceback(dataset: Path, wrong: object) -> None:
+    """In place of every value of info.json, and of two of its features."""
+    file = dataset / "meta/info.json"
+    sound = json.loads(file.read_text())
+    places = [(key,) for key in sound if key != "codebase_version"]
+    for name in ("action", "observation.images.agentview"):
+        places += [("features", name, key) for key in sound["features"][name]]
+    for place in places:
+        at = content = json.loads(json.dumps(sound))
+        for key in place[:-1]:
+            at = at[key]
+        at[place[-1]] = wrong
+        file.write_text(json.dumps(content))
+        assert json.dumps(verify_dataset(dataset).as_json(), allow_nan=False), place
+
+
+@pytest.mark.parametrize(
+    "names",
+    [["l", "r"], [["l", "r"]], {"motors": ["l", "r"]}, {"l": 0, "r": 1}, {"a": ["l"], "b": ["r"]}],
+)
+def test_names_have_several_forms(names: object) -> None:
+    from lfr.curation.features import names_of
+
+    assert len(names_of({"names": names})) == 2
+    assert names_of({"names": None}) == names_of({}) == names_of({"names": 3}) == []

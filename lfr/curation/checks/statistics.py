@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lfr.curation.contents import EPISODES, PICTURES, STATS, Contents, Runs, runs
 from lfr.curation.exact_stats import NAMES, averaged, dataset_stats, episode_stats
+from lfr.curation.features import settings_of
 from lfr.curation.finding import Finding, Severity, first, unreadable
 from lfr.data.stats import QUANTILES, Stats
 
@@ -43,6 +44,9 @@ def check_statistics(contents: Contents) -> Iterator[Finding]:
         for key in contents.pictures(dtype):
             if isinstance(stored.get(key), dict):
                 yield from _pictures(contents, key, stored[key])
+            elif stored:
+                yield Finding("statistics", "no statistics of a feature", "warning", STATS,
+                              column=key)  # fmt: skip
 
 
 def _stored(contents: Contents) -> Mapping[str, Any]:
@@ -183,7 +187,7 @@ def _pictures(contents: Contents, key: str, stored: Mapping[str, Any]) -> Iterat
                       found={name: numbers.size for name, numbers in found.items()})  # fmt: skip
         return
     order = np.stack([found[name] for name in ("min", "q01", "q50", "q99", "max")])
-    depth = (contents.features[key].get("info") or {}).get("is_depth_map")
+    depth = settings_of(contents.features[key]).get("is_depth_map")
     outside = not depth and (order.min() < -1e-6 or order.max() > 1 + 1e-6)
     if outside or (np.diff(order, axis=0) < -1e-6).any():
         yield Finding("statistics", "pixels out of order or of [0, 1]", file=STATS, column=key,

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from lfr.curation.checks.ranges import bounds
 from lfr.curation.contents import DEFAULT_FEATURES, EPISODES, Contents, Runs, runs
+from lfr.curation.features import names_of
 from lfr.curation.finding import Finding, first
 from lfr.data.episode import DONE, REWARD, SUCCESS
 
@@ -59,14 +60,16 @@ def check_values(contents: Contents) -> Iterator[Finding]:
 
 def _names(feature: dict[str, Any], key: str, size: int) -> list[str]:
     """What each dimension is called, `action.dx`, for the findings."""
-    names = feature.get("names")
-    if isinstance(names, list) and len(names) == size > 1:
+    names = names_of(feature)
+    if len(names) == size > 1:
         return [f"{key}.{name}" for name in names]
     return [key] if size == 1 else [f"{key}[{i}]" for i in range(size)]
 
 
 def _ranges(contents: Contents, key: str, names: list[str], rows: NDArray) -> Iterator[Finding]:
     for i, (low, high) in bounds(key, contents.features).items():
+        if i >= len(names):
+            continue  # more names than dimensions: said where the schema is checked
         column = rows[:, i]
         wrong = (column < low - SLACK) | (column > high + SLACK)
         if wrong.any():
