@@ -6,7 +6,7 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
+from lfr.curation.features import shape_of
 from lfr.curation.finding import Finding, Unreadable, unreadable
 from lfr.data import tables
 from lfr.data.tables import VERSION, other_format
@@ -86,17 +87,26 @@ class Contents:
         return [
             key
             for key, feature in self.features.items()
-            if feature.get("dtype") not in NOT_NUMBERS and len(feature.get("shape") or ()) == 1
+            if feature.get("dtype") not in NOT_NUMBERS and len(shape_of(feature)) == 1
         ]
 
     def pictures(self, dtype: str = "video") -> list[str]:
         return [key for key, feature in self.features.items() if feature.get("dtype") == dtype]
 
     def named(self, template: str, **indices: Any) -> str:
-        """A file by the format string of info.json called `template`, relative to the folder."""
+        """A file by the format string of info.json called `template`, relative to the folder.
+
+        Raises:
+            Unreadable: it is no format string, or names a place outside of the folder.
+        """
         with unreadable("info", "no such path", KeyError, AttributeError, IndexError, ValueError,
-                        file=INFO, column=template):  # fmt: skip
-            return self.info[template].format(**indices)
+                        TypeError, file=INFO, column=template):  # fmt: skip
+            name = self.info[template].format(**indices)
+        place = PurePosixPath(name)
+        if place.is_absolute() or ".." in place.parts:
+            raise Unreadable(Finding("info", "a path that leads out of the dataset", file=INFO,
+                                     column=template, found=name))  # fmt: skip
+        return name
 
     def relative(self, file: Path) -> str:
         return file.relative_to(self.path).as_posix()

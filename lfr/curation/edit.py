@@ -6,9 +6,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from lfr.artifacts import write_whole
-from lfr.curation.assemble import Part, assemble
+from lfr.curation.assemble import assemble
 from lfr.curation.contents import Contents
-from lfr.curation.finding import Unreadable
+from lfr.curation.finding import readable
+from lfr.curation.parts import Part
 from lfr.errors import DataError, LfrError
 
 Counts = dict[str, int]
@@ -35,13 +36,20 @@ def split_episodes(path: Path, splits: Mapping[str, Sequence[int]], out: Path) -
 
     Raises:
         DataError: an episode is not there; see `assemble`.
-        LfrError: an episode is in two parts, or there is something at `out`.
+        LfrError: an episode is named twice, a name is no folder's, or there is something at `out`.
     """
     owner: dict[int, str] = {}
     for name, episodes in splits.items():
+        if Path(name).name != name or name.startswith("."):
+            raise LfrError(
+                f"parts: found the name {name!r}, expected one of a folder, such as train"
+            )
         for episode in episodes:
-            if owner.setdefault(episode, name) != name:
-                raise LfrError(f"episode {episode} is in {owner[episode]!r} and in {name!r}")
+            if episode in owner:
+                raise LfrError(
+                    f"episode {episode} is named twice, in {owner[episode]!r} and in {name!r}"
+                )
+            owner[episode] = name
     _free(out)
     with write_whole(out) as partial:
         return {
@@ -55,8 +63,12 @@ def merge_datasets(paths: Sequence[Path], out: Path) -> Counts:
 
     Raises:
         DataError: they are not of one kind; see `assemble`.
-        LfrError: there is something at `out`.
+        LfrError: one is named twice, or there is something at `out`.
     """
+    places = [path.resolve() for path in paths]
+    for path, place in zip(paths, places, strict=True):
+        if places.count(place) > 1:
+            raise LfrError(f"found {path} twice; expected each dataset once")
     return _one([Part(path, range(_count(path))) for path in paths], out)
 
 
@@ -64,14 +76,17 @@ def parse_episodes(text: str, path: Path) -> list[int]:
     """Episodes such as `0,3,7-9`, in the order given.
 
     Raises:
-        LfrError: it is not that.
+        LfrError: it is not that, or a range ends before it begins.
     """
     episodes = []
     for piece in text.split(","):
-        first, dash, last = piece.strip().partition("-")
-        if not first.isdigit() or (dash and not last.isdigit()):
+        first, dash, last = (part.strip() for part in piece.partition("-"))
+        if not first.isdecimal() or (dash and not last.isdecimal()):
             raise LfrError(f"episodes of {path}: found {text!r}, expected such as 0,3,7-9")
-        episodes += range(int(first), int(last or first) + 1)
+        numbers = range(int(first), int(last or first) + 1)
+        if not numbers:
+            raise LfrError(f"episodes of {path}: found {piece!r}, which ends before it begins")
+        episodes += numbers
     return episodes
 
 
@@ -93,7 +108,7 @@ def parse_splits(texts: Sequence[str], path: Path) -> dict[str, list[int]]:
         fractions = {name: float(value) for name, value in named.items()}
     except ValueError:
         raise LfrError(f"parts: found {' '.join(texts)!r}, expected fractions") from None
-    if sum(fractions.values()) > 1 + 1e-9 or min(fractions.values()) <= 0:
+    if sum(fractions.values()) > 1 + 1e-9 or not all(f > 0 for f in fractions.values()):
         raise LfrError(f"parts: fractions of {sum(fractions.values()):g} in all, expected 1")
     known, done, splits = _count(path), 0.0, {}
     for name, fraction in fractions.items():
@@ -114,8 +129,5 @@ def _free(out: Path) -> None:
 
 
 def _count(path: Path) -> int:
-    try:
+    with readable(path):
         return len(Contents.open(path).episodes)
-    except Unreadable as unreadable:
-        finding = unreadable.finding
-        raise DataError(finding.message, file=path / finding.file, found=finding.found) from None

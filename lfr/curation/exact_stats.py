@@ -72,10 +72,12 @@ def averaged(stats: NDArray, counts: NDArray) -> NDArray[np.float64]:
 
 def pooled_stats(table: pa.Table, key: str) -> dict[str, Any]:
     """Of pictures, which are not decoded: from the episodes'; quantiles averaged, as LeRobot's."""
-    names = [name for name in NAMES if f"stats/{key}/{name}" in table.column_names]
+    columns = {name: f"stats/{key}/{name}" for name in NAMES}
+    there = [n for n, c in columns.items() if c in table.column_names]
+    names = [n for n in there if not table[columns[n]].null_count]  # gaps: one dataset has none
     if not {"min", "max", "mean", "std", "count"} <= set(names):
         return {}
-    per = {n: np.array(table[f"stats/{key}/{n}"].to_pylist(), np.float64) for n in names}
+    per = {n: np.array(table[columns[n]].to_pylist(), np.float64) for n in names}
     counts = per["count"].reshape(len(table), *[1] * (per["mean"].ndim - 1))
     mean = averaged(per["mean"], counts)
     square = averaged(per["std"] ** 2 + (per["mean"] - mean) ** 2, counts)

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Literal
 
 from lfr.artifacts import plain
+from lfr.errors import DataError
 
 Severity = Literal["error", "warning"]
 
@@ -80,6 +82,27 @@ def unreadable(check: str, message: str, *errors: type[Exception], **place: Any)
     except errors as error:
         text = str(error) or type(error).__name__
         raise Unreadable(Finding(check, message, found=text, **place)) from error
+
+
+def as_error(dataset: Path, finding: Finding, message: str = "") -> DataError:
+    """A finding of the dataset in this folder as an error, by default in its own words."""
+    return DataError(
+        message or finding.message,
+        file=dataset / finding.file,
+        episode=finding.episode,
+        column=finding.column,
+        found=finding.found,
+        expected=finding.expected,
+    )
+
+
+@contextmanager
+def readable(dataset: Path) -> Iterator[None]:
+    """Turn what cannot be read of the dataset in this folder into a DataError."""
+    try:
+        yield
+    except Unreadable as unreadable:
+        raise as_error(dataset, unreadable.finding) from None
 
 
 def first(wrong: Any) -> tuple[int, int]:

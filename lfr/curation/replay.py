@@ -10,7 +10,7 @@ import numpy as np
 from lfr.artifacts import file_hash
 from lfr.curation.checks.logs import default_folder, episode_logs, has_logs
 from lfr.curation.contents import INFO, Contents
-from lfr.curation.finding import Unreadable
+from lfr.curation.finding import readable
 from lfr.data.log_reader import list_logs, read_log
 from lfr.errors import DataError, LfrError
 
@@ -51,19 +51,15 @@ class Replay:
         name = f"episode {self.episode} ({self.log.name}): "
         if self.problem:
             return f"{name}NOT REPLAYED: {self.problem}"
-        exact = (
-            "exactly the same"
-            if self.difference == 0
-            else f"largest |difference| \
-{self.difference:.3g}"
-        )
+        exact = "exactly the same"
+        if self.difference != 0:
+            exact = f"largest |difference| {self.difference:.3g}"
         if self.step is not None:
             return f"{name}DIFFERENT after action {self.step} of {self.frames}, {exact}"
-        outcome = (
-            ""
-            if self.success == self.recorded
-            else (f", but {'success' if self.success else 'no success'}, unlike the log: DIFFERENT")
-        )
+        outcome = ""
+        if self.success != self.recorded:
+            found = "success" if self.success else "no success"
+            outcome = f", but {found}, unlike the log: DIFFERENT"
         return f"{name}{self.frames} actions, states {exact}{outcome}"
 
 
@@ -77,12 +73,9 @@ def find_logs(path: Path) -> list[tuple[int, Path]]:
         return [(0, path)]
     if not (path / INFO).is_file():
         return list(enumerate(list_logs(path)))
-    try:
+    with readable(path):
         contents = Contents.open(path)
         logs = episode_logs(contents) if has_logs(contents) else []
-    except Unreadable as unreadable:
-        finding = unreadable.finding
-        raise DataError(finding.message, file=path / finding.file, found=finding.found) from None
     folder = default_folder(path)
     if not logs or folder is None:
         raise DataError(

@@ -26,7 +26,9 @@ from zstandard import ZstdError
 from lfr.data.mcap_file import MAGIC
 from lfr.errors import DataError
 
-_DAMAGE = (McapError, ZstdError, struct.error, ValueError, EOFError, MemoryError, KeyError)
+# RuntimeError: of the lz4 library, whose logs others write
+_DAMAGE = (McapError, ZstdError, RuntimeError, struct.error, ValueError, EOFError, MemoryError,
+           KeyError)  # fmt: skip
 
 
 @dataclass

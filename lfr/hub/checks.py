@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-import pyarrow as pa
-
 from lfr.artifacts import file_hash
+from lfr.curation.checks.logs import episode_logs, has_logs
+from lfr.curation.contents import EPISODES, Contents
+from lfr.curation.finding import as_error, readable
 from lfr.curation.verify import verify_dataset
-from lfr.data.tables import DatasetFiles
 from lfr.errors import DataError
 
 
@@ -19,17 +19,11 @@ def refuse_faulty_dataset(path: Path) -> None:
     Raises:
         DataError: the first thing that is wrong, with its place.
     """
-    report = verify_dataset(path)
-    if report.errors:
-        first = report.errors[0]
-        raise DataError(
-            f"{first.check}: {first.message} ({len(report.errors)} errors; `lfr verify` lists all)",
-            file=path / first.file,
-            episode=first.episode,
-            column=first.column,
-            found=first.found,
-            expected=first.expected,
-        )
+    errors = verify_dataset(path).errors
+    if errors:
+        all_of_them = f"{len(errors)} error{'s' if len(errors) > 1 else ''}; `lfr verify` lists all"
+        message = f"{errors[0].check}: {errors[0].message} ({all_of_them})"
+        raise as_error(path, errors[0], message)
 
 
 def refuse_faulty_models(models: Iterable[tuple[Path, str]]) -> None:
@@ -66,25 +60,20 @@ def logs_of(dataset: Path, folder: Path) -> list[Path]:
         DataError: the dataset does not name its logs, or one is not there or another than it was
             packed from.
     """
-    episodes = DatasetFiles.open(dataset).episodes
-    return [_log(folder, i, *named) for i, named in enumerate(_named(episodes, dataset))]
+    with readable(dataset):
+        contents = Contents.open(dataset)
+        named = episode_logs(contents) if has_logs(contents) else []
+    if not named:
+        raise DataError("the dataset does not name its logs; publish it without them",
+                        file=dataset / EPISODES, column="log_file")  # fmt: skip
+    return [_log(folder, episode, *log) for episode, log in enumerate(named)]
 
 
-def _named(episodes: pa.Table, dataset: Path) -> list[tuple[str, str]]:
-    columns = ("log_file", "log_sha256")
-    for column in columns:
-        if column not in episodes.column_names:
-            raise DataError(
-                "the dataset does not name its logs; publish it without them",
-                file=dataset / "meta" / "episodes",
-                column=column,
-            )
-    files, hashes = (episodes[column].to_pylist() for column in columns)
-    return list(zip(files, hashes, strict=True))
-
-
-def _log(folder: Path, episode: int, name: str, expected: str) -> Path:
-    log = folder / name
+def _log(folder: Path, episode: int, name: str | None, expected: str | None) -> Path:
+    if name is None or expected is None:
+        raise DataError("an episode that does not name its log; publish it without them",
+                        file=folder, episode=episode, column="log_file")  # fmt: skip
+    log = folder / Path(name).name
     found = file_hash(log)
     if found != expected:
         raise DataError(

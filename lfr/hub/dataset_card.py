@@ -4,24 +4,18 @@ from __future__ import annotations
 
 from huggingface_hub import DatasetCardData
 
-from lfr.data.episode import ACTION, FEATURES, IMAGES, JOINT_POSITION, EpisodeInfo
+from lfr.data.episode import IMAGES, EpisodeInfo
 from lfr.data.tables import VERSION
+from lfr.hub.dataset_columns import dimension_tables, feature_table
 from lfr.hub.dataset_facts import Column, DatasetFacts, Making
-from lfr.hub.dimensions import groups
 from lfr.hub.markdown import card, python, shell, table
 from lfr.robots import ROBOTS
 from lfr.seeds import FIRST, PER_USE, use_of_seed
 from lfr.tasks import TASKS
 
 LICENSE = "apache-2.0"
-SIZES = ((10**3, "n<1K"), (10**4, "1K<n<10K"), (10**5, "10K<n<100K"), (10**6, "100K<n<1M"))
-LEROBOT = {
-    "timestamp": "s from the episode's start",
-    "frame_index": "frame of the episode, from 0",
-    "episode_index": "number of the episode",
-    "index": "row of the dataset",
-    "task_index": "row of meta/tasks.parquet",
-}
+SIZES = ((10**3, "n<1K"), (10**4, "1K<n<10K"), (10**5, "10K<n<100K"), (10**6, "100K<n<1M"),
+         (10**7, "1M<n<10M"), (10**8, "10M<n<100M"), (10**9, "100M<n<1B"))  # fmt: skip
 
 
 def dataset_card(
@@ -31,6 +25,7 @@ def dataset_card(
     repo_id: str | None = None,
     picture: str | None = None,
     logs: bool = False,
+    license: str | None = None,
 ) -> str:
     """The card of a dataset, as Markdown with a YAML header.
 
@@ -40,10 +35,13 @@ def dataset_card(
         repo_id: where it is published; None is the folder in this project.
         picture: name of the picture's file beside the card.
         logs: whether the MCAP logs are published beside the data.
+        license: None is this project's for what its stages made; of the data of others nothing is
+            known, and the card names none.
     """
+    limits = _limits(facts, making)
     shown = f"![Episode 0 of {facts.name}, first frame to last]({picture})" if picture else ""
     return card(
-        _header(facts, making),
+        _header(facts, making, license),
         f"# {facts.name}",
         _summary(facts, making),
         shown,
@@ -51,45 +49,51 @@ def dataset_card(
         _counts(facts, making),
         _how(facts, making, logs),
         "## Features",
-        _features(facts),
-        *(part for column in facts.columns for part in _dimensions(column)),
-        _episodes(facts),
+        feature_table(facts),
+        *(part for column in facts.columns for part in dimension_tables(column, facts.our_layout)),
+        _episodes(facts, making),
         "## Load",
         _load(facts, repo_id),
         "## Rebuild" if making else "",
         _rebuild(facts, making),
-        "## Known limits",
-        _limits(facts, making),
+        "## Known limits" if limits else "",
+        limits,
     )
 
 
-def _header(facts: DatasetFacts, making: Making | None) -> DatasetCardData:
-    size = next((name for bound, name in SIZES if facts.frames < bound), "n>1M")
+def _header(facts: DatasetFacts, making: Making | None, license: str | None) -> DatasetCardData:
+    size = next((name for bound, name in SIZES if facts.frames < bound), "1B<n<10B")
     made = ("simulation", "robosuite") if making else ()
     return DatasetCardData(
-        license=LICENSE,
+        license=license or (LICENSE if making else None),
         pretty_name=facts.name,
         task_categories=["robotics"],
         size_categories=[size],
-        tags=[t for t in ("LeRobot", "robotics", *made, facts.robot, facts.task) if t],
+        tags=[t for t in ("LeRobot", "robotics", *made, facts.robot, *facts.tasks) if t],
         configs=[{"config_name": "default", "data_files": "data/*/*.parquet"}],
     )
 
 
 def _summary(facts: DatasetFacts, making: Making | None) -> str:
     words = "; ".join(f"*{each}*" for each in facts.instructions)
+    many = len(facts.instructions)
+    tasks = f"one task, {words}" if many == 1 else f"{many} tasks, {words}"
     arm = ROBOTS[facts.robot].stock_name if facts.robot in ROBOTS else facts.robot
-    scene = f", in simulation ({TASKS[facts.task].stock_name})" if _ours(facts, making) else ""
+    by = f", by the arm {arm}" if arm else ""
+    scenes = ", ".join(TASKS[task].stock_name for task in facts.tasks if task in TASKS)
+    scene = f", in simulation ({scenes})" if _ours(facts, making) else ""
     return (
-        f"{facts.episodes} episodes of one task, {words}, by the arm {arm}{scene}. "
+        f"{facts.episodes} episodes of {tasks}{by}{scene}. "
         f"[LeRobot](https://github.com/huggingface/lerobot) {VERSION}, {facts.fps} frames a second."
     )
 
 
 def _counts(facts: DatasetFacts, making: Making | None) -> str:
     shortest, median, longest = facts.lengths
+    named = {"robot": facts.robot, "task": "`, `".join(facts.tasks)}
+    known = {what: f"`{name}`" for what, name in named.items() if name}
     rows: list[tuple[str, str]] = [
-        ("robot, task", f"`{facts.robot}`, `{facts.task}`"),
+        *([(", ".join(known), ", ".join(known.values()))] if known else []),
         ("episodes", str(facts.episodes)),
         ("frames", f"{facts.frames}, at {facts.fps} per second"),
         ("frames of an episode", f"{shortest} to {longest}, median {median:g}"),
@@ -109,10 +113,16 @@ def _counts(facts: DatasetFacts, making: Making | None) -> str:
             ("controller", f"`{EpisodeInfo.controller}`, {facts.fps} Hz"),
         ]
     for camera in facts.cameras:
-        height, width = camera.shape[:2]
         name = camera.key.removeprefix(IMAGES)
-        rows.append((f"camera `{name}`", f"{width} x {height} pixels, {camera.codec.upper()}"))
+        said = filter(None, (_pixels(camera), camera.codec.upper()))
+        rows.append((f"camera `{name}`", ", ".join(said)))
     return table(("", ""), rows)
+
+
+def _pixels(camera: Column) -> str:
+    sides = dict(zip(camera.names, camera.shape, strict=False))  # some have the channels first
+    height, width = camera.shape[:2]
+    return f"{sides.get('width', width)} x {sides.get('height', height)} pixels"
 
 
 def _range(use: str | None) -> str:
@@ -149,42 +159,21 @@ def _how(facts: DatasetFacts, making: Making | None, logs: bool) -> str:
     return "\n\n".join(lines)
 
 
-def _features(facts: DatasetFacts) -> str:
-    about = {feature.key: feature.about for feature in FEATURES} | LEROBOT
-    rows = []
-    for column in facts.columns:
-        said = about.get(column.key, "")
-        if column.dtype == "video":
-            said = f"RGB picture before the action; {' x '.join(column.names)}"
-        rows.append((f"`{column.key}`", column.dtype, _shape(column), said))
-    return table(("feature", "type", "shape", "content"), rows)
-
-
-def _dimensions(column: Column) -> list[str]:
-    """A heading and the table of a vector's dimensions; nothing for scalars and videos."""
-    if column.dtype == "video" or len(column.names) < 2:
-        return []
-    if column.key == JOINT_POSITION:
-        shown = f"`{column.names[0]}` to `{column.names[-1]}`"
-        rows = [(shown, "rad", "", "angles of the joints of these names")]
-    else:
-        rows = [
-            (f"`{shown}`", *((known.unit, known.frame, known.about) if known else ("", "", "")))
-            for shown, known in groups(column.names)
-        ]
-    unit = "a unit of it is" if column.key == ACTION else "unit"
-    return [f"### {column.key}", table(("dimensions", unit, "frame", "meaning"), rows)]
-
-
-def _episodes(facts: DatasetFacts) -> str:
-    if facts.seeds is None:
-        return ""
-    return (
-        "Each row of `meta/episodes` has, beside LeRobot's columns, `seed`, `success`, `robot`, "
-        "`task_name`, `log_file` and `log_sha256`; read them with pandas or pyarrow. "
-        "`meta/stats.json` and each episode's statistics hold minimum, maximum, mean, standard "
-        "deviation and the quantiles 1, 10, 50, 90 and 99 %, taken over all values at once."
-    )
+def _episodes(facts: DatasetFacts, making: Making | None) -> str:
+    said = []
+    if facts.noted:
+        *some, last = (f"`{name}`" for name in facts.noted)
+        named = f"{', '.join(some)} and {last}" if some else last
+        said.append(
+            f"Each row of `meta/episodes` has, beside LeRobot's columns, {named}; "
+            "read them with pandas or pyarrow."
+        )
+    if making:
+        said.append(
+            "`meta/stats.json` and each episode's statistics hold minimum, maximum, mean, standard "
+            "deviation and the quantiles 1, 10, 50, 90 and 99 %, taken over all values at once."
+        )
+    return " ".join(said)
 
 
 def _load(facts: DatasetFacts, repo_id: str | None) -> str:
@@ -235,13 +224,10 @@ def _limits(facts: DatasetFacts, making: Making | None) -> str:
         )
     if making and facts.cameras:
         lines.append("Pictures are small and meant for people; no model of lfr has seen them.")
-    lines.append("One arm and one task: it says nothing of others.")
+    if facts.robot and len(facts.instructions) == 1:
+        lines.append("One arm and one task: it says nothing of others.")
     return "\n".join(f"- {line}" for line in lines)
 
 
 def _ours(facts: DatasetFacts, making: Making | None) -> bool:
-    return making is not None and facts.robot in ROBOTS and facts.task in TASKS
-
-
-def _shape(column: Column) -> str:
-    return " x ".join(str(side) for side in column.shape)
+    return making is not None and facts.robot in ROBOTS and set(facts.tasks) <= set(TASKS)

@@ -7,10 +7,14 @@ from pathlib import Path
 from typing import Any
 
 from lfr.artifacts import read_json
+from lfr.curation.features import names_of, settings_of
+from lfr.data.episode import ACTION, STATE
 from lfr.data.tables import DatasetFiles
 from lfr.errors import DataError
+from lfr.robots import ACTION_NAMES
 
 FOLDERS = ("meta", "data", "videos")  # of a LeRobot v3.0 dataset
+NOTED = ("seed", "success", "robot", "task_name", "log_file", "log_sha256")  # in meta/episodes
 
 
 @dataclass(frozen=True)
@@ -30,18 +34,19 @@ class DatasetFacts:
 
     Attributes:
         name: of its folder.
-        robot, task: as the dataset names them; the task is "" where it does not.
-        instructions: the task in words, as LeRobot keeps it.
+        robot, tasks: as the dataset names them; "" and none where it does not.
+        instructions: the tasks in words, as LeRobot keeps them.
         fps: frames per second.
         lengths: shortest, median and longest episode, in frames.
-        successes: episodes that succeeded; None where the dataset does not say.
-        seeds: first and last seed of its episodes; None where the dataset does not say.
+        successes: episodes that succeeded; None where the dataset does not say it of each.
+        seeds: first and last seed of its episodes; None where the dataset does not say it of each.
         size: bytes of its files.
+        noted: which of `NOTED` its episodes have.
     """
 
     name: str
     robot: str
-    task: str
+    tasks: tuple[str, ...]
     instructions: tuple[str, ...]
     fps: int
     episodes: int
@@ -51,10 +56,17 @@ class DatasetFacts:
     seeds: tuple[int, int] | None
     size: int
     columns: tuple[Column, ...]
+    noted: tuple[str, ...] = NOTED
 
     @property
     def cameras(self) -> tuple[Column, ...]:
         return tuple(column for column in self.columns if column.dtype == "video")
+
+    @property
+    def our_layout(self) -> bool:
+        """Whether states and actions are those of docs/data.md; others may use the same names."""
+        names = {column.key: column.names for column in self.columns}
+        return names.get(ACTION) == ACTION_NAMES and "gripper_aperture" in names.get(STATE, ())
 
 
 @dataclass(frozen=True)
@@ -81,12 +93,17 @@ def read_facts(path: Path) -> DatasetFacts:
     def column(name: str) -> list[Any]:
         return episodes[name].to_pylist() if name in episodes.column_names else []
 
-    seeds, successes = column("seed"), column("success")
+    def of_each(name: str, type: type) -> list[Any]:
+        """The column where every episode has a value of this type; merged ones may have gaps."""
+        values = column(name)
+        return values if all(isinstance(value, type) for value in values) else []
+
+    seeds, successes = of_each("seed", int), of_each("success", bool)
     return DatasetFacts(
         name=path.resolve().name,
         robot=dataset.info.get("robot_type") or "",
-        task=", ".join(dataset.task_names()),
-        instructions=tuple(dict.fromkeys(one for tasks in column("tasks") for one in tasks)),
+        tasks=tuple(sorted({str(name) for name in column("task_name") if name is not None})),
+        instructions=tuple(dict.fromkeys(one for tasks in column("tasks") for one in tasks or ())),
         fps=dataset.info["fps"],
         episodes=len(lengths),
         frames=int(lengths.sum()),
@@ -95,13 +112,23 @@ def read_facts(path: Path) -> DatasetFacts:
         seeds=(min(seeds), max(seeds)) if seeds else None,
         size=sum(file.stat().st_size for file in dataset_files(path)),
         columns=tuple(_column(key, given) for key, given in dataset.features.items()),
+        noted=tuple(name for name in NOTED if name in episodes.column_names),
     )
 
 
 def dataset_files(path: Path) -> list[Path]:
-    """The files of a LeRobot v3.0 dataset, without what lies beside them or is hidden."""
-    files = (file for folder in FOLDERS for file in sorted((path / folder).rglob("*")))
-    return [file for file in files if file.is_file() and not _hidden(file.relative_to(path))]
+    """The files of a LeRobot v3.0 dataset, without what lies beside them or is hidden.
+
+    Raises:
+        DataError: a link to a folder, or to nothing: what is behind it would be left out.
+    """
+    found = (file for folder in FOLDERS for file in sorted((path / folder).rglob("*")))
+    shown = [file for file in found if not _hidden(file.relative_to(path))]
+    for file in shown:
+        if file.is_symlink() and not file.is_file():
+            raise DataError("a link that is not followed", file=file,
+                            expected="a file or a folder, or a link to a file")  # fmt: skip
+    return [file for file in shown if file.is_file()]
 
 
 def read_making(facts: DatasetFacts, results: Path) -> Making | None:
@@ -135,9 +162,8 @@ def read_making(facts: DatasetFacts, results: Path) -> Making | None:
 
 
 def _column(key: str, given: dict[str, Any]) -> Column:
-    names = given.get("names") or ()
-    codec = (given.get("info") or {}).get("video.codec", "")
-    return Column(key, given["dtype"], tuple(given["shape"]), tuple(names), codec)
+    codec = settings_of(given).get("video.codec") or ""
+    return Column(key, given["dtype"], tuple(given["shape"]), tuple(names_of(given)), codec)
 
 
 def _hidden(path: Path) -> bool:

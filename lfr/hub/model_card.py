@@ -32,16 +32,17 @@ LOAD = {
 }
 
 
-def model_card(facts: ModelFacts, *, repo_id: str | None = None) -> str:
+def model_card(facts: ModelFacts, *, repo_id: str | None = None, license: str | None = None) -> str:
     """The card of a folder of models, as Markdown with a YAML header.
 
     Args:
         facts: of the models.
         repo_id: where they are published; None is the folder in this project.
+        license: None is that of this project.
     """
     results = _results(facts)
     return card(
-        _header(facts),
+        _header(facts, license or LICENSE),
         f"# {facts.title}",
         f"{ABOUT[facts.stage]} Part of lfr (Learn from Robot), after the method of Yang, Stork and "
         "Stoyanov; simulated arms, actions in Cartesian space.",
@@ -58,11 +59,11 @@ def model_card(facts: ModelFacts, *, repo_id: str | None = None) -> str:
     )
 
 
-def _header(facts: ModelFacts) -> ModelCardData:
+def _header(facts: ModelFacts, license: str) -> ModelCardData:
     robots = dict.fromkeys(r for part in facts.parts for r in _robots(part))
     task = facts.results.get("transfer", {}).get("task")
     return ModelCardData(
-        license=LICENSE,
+        license=license,
         library_name="lfr",
         pipeline_tag="robotics",
         tags=[t for t in ("robotics", "simulation", "robosuite", facts.stage, *robots, task) if t],

@@ -15,6 +15,7 @@ from lfr.hub.dataset_facts import FOLDERS, dataset_files, read_facts, read_makin
 from lfr.hub.model_facts import CONFIG, TENSORS, read_models
 
 CARD = "README.md"
+INFO = "meta/info.json"
 LOGS = "logs"
 
 
@@ -42,9 +43,16 @@ class Publication:
         """Bytes of each file."""
         return {path: _size(content) for path, content in self.files.items()}
 
+    @property
+    def licensed(self) -> bool:
+        """Whether the card's header names a licence."""
+        text = self.files[CARD]
+        header = text.partition(b"\n---")[0] if isinstance(text, bytes) else b""
+        return b"\nlicense:" in header
+
 
 def is_dataset(path: Path) -> bool:
-    return (path / "meta" / "info.json").is_file()
+    return (path / INFO).is_file()
 
 
 def publication(
@@ -54,6 +62,7 @@ def publication(
     results: Path,
     logs: Path | None = None,
     card: Path | None = None,
+    license: str | None = None,
     tags: tuple[str, ...] = (),
 ) -> Publication:
     """What to publish of the dataset or the models at `path`, once it has been checked.
@@ -64,6 +73,8 @@ def publication(
         results: what the stages noted; the cards quote it.
         logs: folder of the MCAP logs to publish beside a dataset.
         card: a card of one's own, instead of the generated one.
+        license: for the generated card; None is that of this project for what its stages made, and
+            none for a dataset by others.
         tags: further tags of the revision.
 
     Raises:
@@ -72,12 +83,13 @@ def publication(
     if not path.is_dir():
         raise DataError("no such folder", file=path, expected="a dataset or a folder of models")
     of = _of_dataset if is_dataset(path) else _of_models
-    return of(path, repo_id, results, logs, card, tags)
+    return of(path, repo_id, results, logs, card, license, tags)
 
 
 def dataset_card_files(
-    path: Path, results: Path, *, repo_id: str | None = None, logs: bool = False
-) -> tuple[str, dict[str, bytes]]:
+    path: Path, results: Path, *, repo_id: str | None = None, logs: bool = False,
+    license: str | None = None,
+) -> tuple[str, dict[str, bytes]]:  # fmt: skip
     """A dataset's card, and its picture by the name that the card calls it."""
     from lfr.hub.dataset_card import dataset_card
     from lfr.hub.picture import picture
@@ -86,20 +98,23 @@ def dataset_card_files(
     pictures = {f"{facts.name}.jpg": picture(path, c.key) for c in facts.cameras[:1]}
     shown = next(iter(pictures), None)
     making = read_making(facts, results)
-    return dataset_card(facts, making, repo_id=repo_id, picture=shown, logs=logs), pictures
+    text = dataset_card(facts, making, repo_id=repo_id, picture=shown, logs=logs, license=license)
+    return text, pictures
 
 
-def model_card_text(path: Path, results: Path, *, repo_id: str | None = None) -> tuple[str, str]:
+def model_card_text(
+    path: Path, results: Path, *, repo_id: str | None = None, license: str | None = None
+) -> tuple[str, str]:
     """A name for the models' card, and the card."""
     from lfr.hub.model_card import model_card
 
     facts = read_models(path, results)
-    return facts.title, model_card(facts, repo_id=repo_id)
+    return facts.title, model_card(facts, repo_id=repo_id, license=license)
 
 
 def _of_dataset(
     path: Path, repo_id: str | None, results: Path, logs: Path | None,
-    card: Path | None, tags: tuple[str, ...],
+    card: Path | None, license: str | None, tags: tuple[str, ...],
 ) -> Publication:  # fmt: skip
     refuse_faulty_dataset(path)
     name = path.resolve().name
@@ -108,7 +123,9 @@ def _of_dataset(
     }
     if logs is not None:
         files |= {f"{LOGS}/{log.name}": log for log in logs_of(path, logs)}
-    text, pictures = dataset_card_files(path, results, repo_id=repo_id, logs=logs is not None)
+    text, pictures = dataset_card_files(
+        path, results, repo_id=repo_id, logs=logs is not None, license=license
+    )
     files |= pictures
     files[CARD] = card.read_bytes() if card else text.encode()
     ours = re.compile(rf"({'|'.join((*FOLDERS, LOGS))})/.+")
@@ -117,13 +134,13 @@ def _of_dataset(
 
 def _of_models(
     path: Path, repo_id: str | None, results: Path, logs: Path | None,
-    card: Path | None, tags: tuple[str, ...],
+    card: Path | None, license: str | None, tags: tuple[str, ...],
 ) -> Publication:  # fmt: skip
     if logs is not None:
         raise DataError("models have no MCAP logs; leave --with-logs out", file=path)
     facts = read_models(path, results)
     refuse_faulty_models((path / part.place, part.kind) for part in facts.parts)
-    _, text = model_card_text(path, results, repo_id=repo_id)
+    _, text = model_card_text(path, results, repo_id=repo_id, license=license)
     files: dict[str, Path | bytes] = {
         (path / part.place / name).relative_to(path).as_posix(): path / part.place / name
         for part in facts.parts

@@ -24,6 +24,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--card", type=Path, help="a card of your own (default: generated)")
     parser.add_argument(
+        "--license", metavar="ID",
+        help="for the generated card, as the Hub names it, e.g. cc-by-4.0 (default: apache-2.0 for "
+        "what this project made, none for data by others)",
+    )  # fmt: skip
+    parser.add_argument(
         "--results", type=Path, default=Path("results"),
         help="what the stages noted, quoted by the card (default: results)",
     )  # fmt: skip
@@ -45,6 +50,8 @@ def run(arguments: argparse.Namespace) -> int:
         raise LfrError(f"found the repository {repo!r}; expected OWNER/NAME")
     if folder is not None and (arguments.private or arguments.tag):
         raise LfrError("a folder has no tags and is as private as you make it; leave them out")
+    if arguments.card is not None and arguments.license is not None:
+        raise LfrError("--license is for the generated card; put it into the header of your own")
     if arguments.card is not None and not arguments.card.is_file():
         raise LfrError(f"found no card at {arguments.card}")
     planned = publication(
@@ -53,12 +60,17 @@ def run(arguments: argparse.Namespace) -> int:
         results=arguments.results,
         logs=arguments.with_logs,
         card=arguments.card,
+        license=arguments.license,
         tags=tuple(arguments.tag),
     )
     if arguments.card is None and not arguments.results.is_dir():
         print(
             f"lfr: no folder {arguments.results} here: the card cannot say how this was made",
             file=sys.stderr,
+        )
+    if not planned.licensed:
+        print(
+            "lfr: the card names no licence; --license, or a card of your own, can", file=sys.stderr
         )
     sizes = planned.sizes
     if arguments.dry_run:

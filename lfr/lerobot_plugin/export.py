@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import shlex
 from pathlib import Path
 
 from lfr.artifacts import write_whole
@@ -23,7 +24,7 @@ def run(arguments: argparse.Namespace) -> int:
     """
     robot, task = export_policy(arguments.policy, arguments.out)
     print(
-        f"lerobot-eval --policy.path={arguments.out} "
+        f"lerobot-eval {shlex.quote(f'--policy.path={arguments.out}')} "
         "--env.discover_packages_path=lfr.lerobot_plugin --env.type=lfr "
         f"--env.robot={robot} --env.task={task} --seed=0 --eval.n_episodes=100 --eval.batch_size=1"
     )

@@ -50,10 +50,11 @@ def step_through(
             continue
         try:
             viewer.send(make(wanted))
-        except LfrError as error:
+        except LfrError as error:  # the next one leads on from here all the same
             print(f"lfr: {error}", file=sys.stderr)
+        else:
+            print(f"episode {wanted}", flush=True)
         here = wanted
-        print(f"episode {here}", flush=True)
 
 
 def neighbour(order: Sequence[int], here: int, word: str) -> int | None:

@@ -138,23 +138,25 @@ def has_screen() -> bool:
 def free_port(wanted: int, address: str = ADDRESS) -> int:
     """`wanted`, or any free port if something listens there already."""
     for port in (wanted, 0):
-        with socket.socket() as probe:
+        with socket.socket(socket.AF_INET6 if ":" in address else socket.AF_INET) as probe:
             try:
                 probe.bind((address, port))
             except OSError:
                 continue
             return int(probe.getsockname()[1])
-    raise LfrError(f"no free port on {address}")
+    raise LfrError(f"cannot listen on {address}: it is no address of this machine")
 
 
 def _named(address: str) -> str:
     """What a browser is told: this machine's name where it listens on every address."""
-    return socket.gethostname() if address in ("0.0.0.0", "::") else address
+    if address in ("0.0.0.0", "::"):
+        return socket.gethostname()
+    return f"[{address}]" if ":" in address else address
 
 
 def _reached(address: str) -> str:
     """Where this machine itself reaches what listens on an address."""
-    return ADDRESS if address in ("0.0.0.0", "::") else address
+    return ADDRESS if address in ("0.0.0.0", "::") else _named(address)
 
 
 def executable() -> Path:

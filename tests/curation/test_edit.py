@@ -18,7 +18,7 @@ from lfr.curation.verify import verify_dataset
 from lfr.data.stats import vector_stats
 from lfr.errors import DataError, LfrError
 
-from .broken import DATA, EPISODES, VIDEO, put
+from .broken import DATA, EPISODES, VIDEO, cut, info, put
 from .conftest import LENGTHS
 
 CAMERA = "observation.images.agentview"
@@ -169,7 +169,7 @@ def test_a_cut_video_is_the_same_pictures(
 def test_a_large_dataset_is_split_into_files(
     sound: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("lfr.curation.assemble.MEGABYTES", 0.002)
+    monkeypatch.setattr("lfr.curation.assembled_rows.MEGABYTES", 0.002)
     small = shutil.copytree(sound, tmp_path / "small")
     info = json.loads((small / "meta/info.json").read_text())
     info.pop("data_files_size_in_mb")
@@ -231,3 +231,54 @@ def test_what_is_written_on_the_command_line(sound: Path) -> None:
     for texts in (["a"], ["a="], ["=1"], ["a=0", "a=1"], ["a=0.9", "b=0.2"], ["a=0.5", "b=x"]):
         with pytest.raises(LfrError, match=r"parts: "):
             edit.parse_splits(texts, sound)
+
+
+def test_the_file_that_cannot_be_read_is_named(sound: Path, tmp_path: Path) -> None:
+    """The source's, not the one that was to be written."""
+    damaged = shutil.copytree(sound, tmp_path / "damaged")
+    cut(DATA, 0.6)(damaged)
+    with pytest.raises(DataError, match=f"cut-off Parquet: {damaged / DATA}"):
+        edit.delete_episodes(damaged, [0], tmp_path / "out")
+    edit.delete_episodes(sound, [1, 2, 3, 4], tmp_path / "first")
+    with pytest.raises(DataError, match=f"cut-off Parquet: {damaged / DATA}"):
+        edit.merge_datasets([tmp_path / "first", damaged], tmp_path / "out")
+    unknown = shutil.copytree(sound, tmp_path / "unknown")
+    put(DATA, "task_index", 30, 7)(unknown)
+    with pytest.raises(DataError, match=r"a task without words.*episode 2.*found 7"):
+        edit.delete_episodes(unknown, [0], tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_nothing_is_written_outside_of_the_new_dataset(sound: Path, tmp_path: Path) -> None:
+    """Paths come out of an info.json that anybody may have written."""
+    theirs = shutil.copytree(sound, tmp_path / "theirs")
+    outside = tmp_path / "outside"
+    for path in (f"{outside}/{{chunk_index}}-{{file_index}}", "../../outside/{file_index}"):
+        info(data_path=path)(theirs)
+        with pytest.raises(DataError, match="a path that leads out of the dataset"):
+            edit.delete_episodes(theirs, [0], tmp_path / "out")
+        with pytest.raises(LfrError, match="one of a folder"):
+            edit.split_episodes(sound, {"../../outside": [0]}, tmp_path / "out")
+    assert {p.name for p in tmp_path.iterdir()} == {"theirs"}
+
+
+def test_an_outcome_that_one_dataset_does_not_say_may_be_empty(sound: Path, tmp_path: Path) -> None:
+    edit.split_episodes(sound, {"a": [0], "b": [1]}, tmp_path / "parts")
+    second = tmp_path / "parts/b"
+    table = pq.read_table(second / EPISODES)
+    pq.write_table(table.drop_columns(list(OURS)), second / EPISODES)
+    edit.merge_datasets([tmp_path / "parts/a", second], tmp_path / "merged")
+    assert Contents.open(tmp_path / "merged").episodes["success"].to_pylist() == [True, None]
+    assert not verify_dataset(tmp_path / "merged").errors
+
+
+def test_what_would_be_there_twice_is_refused(sound: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    for call, message in (
+        (lambda: edit.split_episodes(sound, {"a": [0, 0]}, out), "named twice"),
+        (lambda: edit.merge_datasets([sound, sound / "../panda-lift"], out), "found .* twice"),
+        (lambda: edit.parse_episodes("0,9-7", sound), "ends before it begins"),
+    ):
+        with pytest.raises(LfrError, match=message):
+            call()
+    assert not out.exists()

@@ -8,10 +8,13 @@ from pathlib import Path
 import pytest
 
 from lfr import cli
+from lfr.curation import edit
+from lfr.curation.contents import Contents
 from lfr.curation.finding import Finding
 from lfr.curation.verify import Report, verify_dataset
 from lfr.errors import DataError
 
+from . import made_up
 from .broken import BROKEN, EPISODES, column, cut, info, stats
 
 
@@ -61,6 +64,38 @@ def test_a_dataset_by_lerobot_has_the_known_finding_alone(by_lerobot: Path) -> N
     assert not report.errors
     assert any(f.column == "action/q01" for f in report.findings)
     assert report.not_checked == ("logs (the episodes name none)",)
+
+
+def test_every_type_that_lerobot_records_is_known(tmp_path: Path) -> None:
+    path = made_up.record_every_kind(tmp_path / "kinds")
+    assert len(list((path / "data").rglob("*.parquet"))) > 1
+    report = verify_dataset(path)
+    assert not report.errors, report.errors
+    assert {f.check for f in report.findings} <= {"averaged-quantiles", "constant", "frozen"}
+    edit.delete_episodes(path, [1], tmp_path / "edited")
+    assert verify_dataset(tmp_path / "edited").findings == ()
+    before, after = (Contents.open(each) for each in (path, tmp_path / "edited"))
+    for key in ("observation.pose", "observation.note", "observation.images.eye"):
+        kept = [*range(30), *range(32, 80)]
+        assert (
+            after.table([key])[key].to_pylist() == before.table([key])[key].take(kept).to_pylist()
+        )
+
+
+def test_what_lerobot_has_edited_has_no_errors(tmp_path: Path) -> None:
+    """It numbers episodes and rows anew, and leaves the statistics of these as they were."""
+    from lerobot.datasets import LeRobotDataset
+    from lerobot.datasets.dataset_tools import delete_episodes, merge_datasets
+
+    # LeRobot 0.6.1 cannot edit a dataset with a feature of two dimensions
+    path = made_up.record_every_kind(tmp_path / "kinds", without="observation.pose")
+    whole = LeRobotDataset("theirs/kinds", root=path)
+    rest = delete_episodes(whole, [0], output_dir=tmp_path / "rest", repo_id="theirs/rest")
+    merge_datasets([whole, rest], output_repo_id="theirs/both", output_dir=tmp_path / "both")
+    for name in ("rest", "both"):
+        report = verify_dataset(tmp_path / name)
+        assert not report.errors, report.errors
+        assert any(f.column == "index/max" or f.column == "index/min" for f in report.warnings)
 
 
 def test_a_quantile_that_is_no_average_is_an_error(by_lerobot: Path, tmp_path: Path) -> None:
@@ -156,3 +191,31 @@ def test_a_report_is_one_line(tmp_path: Path) -> None:
     assert (
         json.loads(json.dumps(report.as_json(), allow_nan=False))["findings"][0]["found"] == "nan"
     )
+
+
+@pytest.mark.parametrize("wrong", [3, "x", [[1], [2, 3]], {}, None])
+def test_whatever_stands_in_the_json_is_no_traceback(dataset: Path, wrong: object) -> None:
+    """In place of every value of info.json, and of two of its features."""
+    file = dataset / "meta/info.json"
+    sound = json.loads(file.read_text())
+    places = [(key,) for key in sound if key != "codebase_version"]
+    for name in ("action", "observation.images.agentview"):
+        places += [("features", name, key) for key in sound["features"][name]]
+    for place in places:
+        at = content = json.loads(json.dumps(sound))
+        for key in place[:-1]:
+            at = at[key]
+        at[place[-1]] = wrong
+        file.write_text(json.dumps(content))
+        assert json.dumps(verify_dataset(dataset).as_json(), allow_nan=False), place
+
+
+@pytest.mark.parametrize(
+    "names",
+    [["l", "r"], [["l", "r"]], {"motors": ["l", "r"]}, {"l": 0, "r": 1}, {"a": ["l"], "b": ["r"]}],
+)
+def test_names_have_several_forms(names: object) -> None:
+    from lfr.curation.features import names_of
+
+    assert len(names_of({"names": names})) == 2
+    assert names_of({"names": None}) == names_of({}) == names_of({"names": 3}) == []

@@ -338,7 +338,7 @@ def header_errors(header: Any, kind: str) -> list[str]:
     if not isinstance(header, dict):
         return ["the metadata is no mapping"]
     errors = []
-    if header.get("license") != "apache-2.0":
+    if header.get("license", "cc-by-4.0") not in ("apache-2.0", "cc-by-4.0"):
         errors.append('"license" must be one of the known licences')
     if not all(isinstance(tag, str) and tag for tag in header.get("tags", [None])):
         errors.append('"tags" must be a list of strings')

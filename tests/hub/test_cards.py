@@ -3,15 +3,18 @@
 import io
 import json
 import re
+import shutil
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 import yaml
 
-from lfr.data.episode import DONE, IMAGES, REWARD, STATE, SUCCESS, features
+from lfr.data.episode import ACTION, DONE, IMAGES, REWARD, STATE, SUCCESS, features
 from lfr.demos.recorder import RecordParams
 from lfr.errors import DataError
 from lfr.hub import card_command
@@ -67,7 +70,7 @@ def facts_without_data(name: str) -> DatasetFacts:
         columns.append(Column(key, "float32" if key == "timestamp" else "int64", (1,), ()))
     length, seeds = record["length"], record["seeds"]
     return DatasetFacts(
-        name, robot, task, (TASKS[task].instruction,), 20, pack["episodes"], pack["frames"],
+        name, robot, (task,), (TASKS[task].instruction,), 20, pack["episodes"], pack["frames"],
         (length["min"], length["median"], length["max"]), pack["successes"],
         (seeds["first"], seeds["last"]), pack["bytes"], tuple(columns),
     )  # fmt: skip
@@ -178,7 +181,7 @@ def test_symmetries_are_those_of_the_documents() -> None:
 
 def test_facts_are_counted_in_the_files(dataset: Path) -> None:
     facts = read_facts(dataset)
-    assert (facts.robot, facts.task, facts.fps) == ("panda", "lift", 20)
+    assert (facts.robot, facts.tasks, facts.fps) == ("panda", ("lift",), 20)
     assert (facts.episodes, facts.frames) == (len(LENGTHS), sum(LENGTHS))
     assert facts.lengths == (min(LENGTHS), np.median(LENGTHS), max(LENGTHS))
     assert facts.seeds == (0, len(LENGTHS) - 1)
@@ -192,12 +195,49 @@ def test_facts_are_counted_in_the_files(dataset: Path) -> None:
 
 
 def test_a_dataset_by_others_has_a_card_without_our_results(dataset: Path) -> None:
-    facts = replace(read_facts(dataset), robot="so101", task="", seeds=None, successes=None)
+    facts = replace(
+        read_facts(dataset), robot="so101", tasks=(), seeds=None, successes=None, noted=()
+    )
     text = dataset_card(facts, repo_id="someone/else")
     assert header_errors(header(text), "dataset") == []
     assert 'LeRobotDataset("someone/else"' in text
     assert "robosuite" not in header(text)["tags"]
     assert "## Rebuild" not in text
+    assert "license" not in header(text)  # theirs to give
+    assert "taken over all values" not in text
+    assert "`meta/episodes`" not in text
+    given = dataset_card(facts, repo_id="someone/else", license="cc-by-4.0")
+    assert header(given)["license"] == "cc-by-4.0"
+
+
+def test_names_of_ours_in_a_layout_of_others_are_not_explained(dataset: Path) -> None:
+    """Their `action` and `gripper` may be degrees."""
+    facts = read_facts(dataset)
+    assert "0.05 m" in dataset_card(facts)
+    names = ("shoulder", "elbow", "gripper")
+    columns = [replace(c, names=names, shape=(3,)) if c.key == ACTION else c for c in facts.columns]
+    text = dataset_card(replace(facts, columns=tuple(columns)))
+    assert "`shoulder`, `elbow`, `gripper`" in text
+    for claim in ("0.05 m", "base frame", "positive closes", "robosuite"):
+        assert claim not in text
+
+
+def test_a_merged_dataset_has_the_gaps_of_its_parts(dataset: Path, tmp_path: Path) -> None:
+    """One part knows no seeds, and another task; the card says what holds of all."""
+    copy = shutil.copytree(dataset, tmp_path / "merged")
+    file = next((copy / "meta/episodes").rglob("*.parquet"))
+    table = pq.read_table(file)
+    for name, value in (("seed", None), ("success", None), ("task_name", None)):
+        at = table.column_names.index(name)
+        values = [value, *table[name].to_pylist()[1:]]
+        table = table.set_column(at, name, pa.array(values, table.schema.field(at).type))
+    pq.write_table(table, file)
+    facts = read_facts(copy)
+    assert (facts.tasks, facts.seeds, facts.successes) == (("lift",), None, None)
+    text = dataset_card(replace(facts, instructions=("Lift.", "Stack."), tasks=("lift", "stack")))
+    assert "3 episodes of 2 tasks, *Lift.*; *Stack.*" in text
+    assert "One arm and one task" not in text
+    assert {"lift", "stack"} <= set(header(text)["tags"])
 
 
 @pytest.mark.parametrize("key", ["frames", "seeds"])

@@ -5,6 +5,8 @@ import shutil
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 
 from lfr import cli
@@ -26,9 +28,9 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 def test_a_folder_holds_the_dataset_and_loads(dataset: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    assert publish(dataset, out) == 0
+    assert publish(dataset, out, "--license", "cc-by-4.0") == 0
     files = contents(out)
-    assert files.pop("README.md").startswith(b"---\nlicense: apache-2.0\n")
+    assert files.pop("README.md").startswith(b"---\nlicense: cc-by-4.0\n")
     assert files.pop("panda-lift.jpg").startswith(b"\xff\xd8")
     assert files == contents(dataset)
     assert np.array_equal(read_dataset(out).actions, read_dataset(dataset).actions)
@@ -45,6 +47,61 @@ def test_a_folder_is_replaced_but_never_one_with_other_things(
     assert publish(dataset, out) == 2
     assert "diary.txt" in capsys.readouterr().err
     assert (out / "diary.txt").read_text() == "dear diary"
+
+
+def test_a_project_that_looks_alike_is_not_replaced(
+    dataset: Path, models: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A folder of data with a README, and the folder in which all the models lie."""
+    project, all_models = tmp_path / "project", tmp_path / "skills"
+    for name in ("README.md", "data/mine.csv"):
+        (project / name).parent.mkdir(parents=True, exist_ok=True)
+        (project / name).write_text("mine")
+    shutil.copytree(models, all_models / "s2-panda-stack")
+    for what, folder in ((dataset, project), (models, all_models)):
+        before = contents(folder)
+        assert publish(what, folder) == 2
+        assert "the folder holds other things" in capsys.readouterr().err
+        assert contents(folder) == before
+
+
+def test_models_replace_an_earlier_publication(models: Path, tmp_path: Path) -> None:
+    out, link = tmp_path / "out", tmp_path / "link"
+    link.symlink_to(out)
+    assert publish(models, out) == publish(models, link) == 0
+    assert link.is_symlink()
+    assert {"README.md", "source/vae/config.json"} <= set(contents(out))
+
+
+def test_what_is_behind_a_link_is_not_left_out_unsaid(
+    dataset: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Videos on another disk; files that are links, as in the Hub's cache, are published."""
+    copy, away = shutil.copytree(dataset, tmp_path / "panda-lift"), tmp_path / "away"
+    camera = next((copy / "videos").iterdir())
+    camera.rename(away)
+    camera.symlink_to(away)
+    assert publish(copy, tmp_path / "out") == 2
+    assert f"a link that is not followed: {camera}" in capsys.readouterr().err
+    camera.unlink()
+    for video in away.rglob("*.mp4"):
+        place = camera / video.relative_to(away)
+        place.parent.mkdir(parents=True)
+        place.symlink_to(video)
+    assert publish(copy, tmp_path / "out") == 0
+    assert set(contents(dataset)) < set(contents(tmp_path / "out"))
+    assert not any(file.is_symlink() for file in (tmp_path / "out").rglob("*"))
+
+
+def test_an_episode_without_a_log_is_told(dataset: Path, logs: Path, tmp_path: Path) -> None:
+    copy = shutil.copytree(dataset, tmp_path / "panda-lift")
+    file = next((copy / "meta/episodes").rglob("*.parquet"))
+    table = pq.read_table(file)
+    at = table.column_names.index("log_file")
+    names = pa.array([*table["log_file"].to_pylist()[:2], None])
+    pq.write_table(table.set_column(at, "log_file", names), file)
+    with pytest.raises(DataError, match=r"does not name its log.*episode 2"):
+        publication(copy, repo_id=None, results=NOWHERE, logs=logs)
 
 
 def test_a_dry_run_lists_every_file_and_writes_nothing(
@@ -97,7 +154,9 @@ def test_without_results_it_says_what_the_card_lacks(
     dataset: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert publish(dataset, tmp_path / "out") == 0
-    assert "no folder none here" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert "no folder none here" in said
+    assert "names no licence" in said
     assert "## Rebuild" not in (tmp_path / "out" / "README.md").read_text()
 
 
@@ -116,7 +175,8 @@ def test_the_documents_commands_parse(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize(
     "arguments",
-    [["."], [".", "--repo", "nameless"], [".", "--to", "a", "--repo", "b/c"],
+    [["."], [".", "--repo", "nameless"], [".", "--to", "a", "--card", "b", "--license", "mit"],
+     [".", "--to", "a", "--repo", "b/c"],
      [".", "--to", "a", "--private"], ["no/such/place", "--to", "a"], [".", "--to", "a"]],
 )  # fmt: skip
 def test_mistakes_are_told_in_a_line(

@@ -57,7 +57,9 @@ def test_one_that_cannot_be_shown_is_said_and_passed(
     viewer: Told, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert stepped(viewer, ["n\n", "n\n"]) == ["9"]
-    assert "cannot be shown" in capsys.readouterr().err
+    said = capsys.readouterr()
+    assert "cannot be shown" in said.err
+    assert said.out.splitlines()[1:] == ["episode 9"]
 
 
 def test_words() -> None:

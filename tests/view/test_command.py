@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from lfr.cli import main
+from lfr.errors import LfrError
 from lfr.view.viewer import free_port, viewer_command
 
 from . import rrd
@@ -103,6 +104,11 @@ def test_a_taken_port_is_passed_over() -> None:
         taken.listen()
         port = taken.getsockname()[1]
         assert free_port(port) != port
+
+
+def test_an_address_of_another_machine_is_told() -> None:
+    with pytest.raises(LfrError, match=r"cannot listen on 192\.0\.2\.1"):  # for documents only
+        free_port(0, "192.0.2.1")
 
 
 def test_the_saved_file_holds_the_arm(shown: Path) -> None:

@@ -50,7 +50,13 @@ def task_words(contents: Contents) -> dict[int, str]:
 
 
 def _splits(contents: Contents, episodes: int) -> Iterator[Finding]:
-    for name, split in (contents.info.get("splits") or {}).items():
+    splits = contents.info.get("splits") or {}
+    if not isinstance(splits, dict):
+        yield Finding(
+            "counts", "splits that are no table", file=INFO, column="splits", found=splits
+        )
+        return
+    for name, split in splits.items():
         start, _, end = str(split).partition(":")
         if not (start.isdigit() and end.isdigit() and int(start) <= int(end) <= episodes):
             yield Finding("counts", "a split of episodes that are not there", file=INFO,

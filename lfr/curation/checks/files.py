@@ -26,7 +26,8 @@ def check_files(contents: Contents) -> Iterator[Finding]:
             "left-over", "pictures that were never made into video: a recording was interrupted",
             "warning", "images",
         )  # fmt: skip
-    for partial in sorted(contents.path.rglob("*.partial")):
+    unfinished = {*contents.path.rglob("*.partial"), *contents.path.rglob(".partial-*")}
+    for partial in sorted(unfinished):
         yield Finding("left-over", "an unfinished file", "warning", contents.relative(partial))
     yield from _named(contents, "data/", "data_path", ".parquet", "data")
     for key in contents.pictures():

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from lfr.curation.features import names_of
 from lfr.data.episode import ACTION, JOINT_POSITION
 from lfr.robots import ACTION_NAMES
 
@@ -32,7 +33,7 @@ def bounds(key: str, features: Mapping[str, Mapping[str, Any]]) -> dict[int, Bou
     """
     if not _ours(features):
         return {}
-    names = [str(name) for name in features[key].get("names") or ()]
+    names = names_of(features[key])
     if key == ACTION:
         return dict.fromkeys(range(len(names)), (-1.0, 1.0))
     if key == JOINT_POSITION:
@@ -49,4 +50,4 @@ def bounds(key: str, features: Mapping[str, Mapping[str, Any]]) -> dict[int, Bou
 
 
 def _ours(features: Mapping[str, Mapping[str, Any]]) -> bool:
-    return tuple(features.get(ACTION, {}).get("names") or ()) == ACTION_NAMES
+    return tuple(names_of(features.get(ACTION, {}))) == ACTION_NAMES

@@ -8,6 +8,7 @@ from typing import Any
 import pyarrow as pa
 
 from lfr.curation.contents import INFO, NOT_NUMBERS, Contents
+from lfr.curation.features import names_of
 from lfr.curation.finding import Finding
 
 # LeRobot's own columns and their types
@@ -38,13 +39,13 @@ def check_schema(contents: Contents) -> Iterator[Finding]:
 
 
 def _described(key: str, feature: dict[str, Any]) -> Iterator[Finding]:
-    shape, names = feature.get("shape"), feature.get("names")
+    shape, names = feature.get("shape"), names_of(feature)
     if feature.get("dtype") is None:
         yield Finding("schema", "a feature without dtype", file=INFO, column=key)
     if not (isinstance(shape, list) and all(isinstance(s, int) and s > 0 for s in shape)):
         yield Finding("schema", "no shape", file=INFO, column=key, found=shape,
                       expected="positive numbers")  # fmt: skip
-    elif isinstance(names, list) and len(shape) == 1 and names and len(names) != shape[0]:
+    elif len(shape) == 1 and names and len(names) != shape[0]:
         yield Finding("schema", "another number of names than dimensions", file=INFO, column=key,
                       found=len(names), expected=shape[0])  # fmt: skip
 

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lfr.curation.contents import EPISODES, PICTURES, STATS, Contents, Runs, runs
 from lfr.curation.exact_stats import NAMES, averaged, dataset_stats, episode_stats
+from lfr.curation.features import settings_of
 from lfr.curation.finding import Finding, Severity, first, unreadable
 from lfr.data.stats import QUANTILES, Stats
 
@@ -19,6 +20,9 @@ from lfr.data.stats import QUANTILES, Stats
 TOLERANCE = 2e-5
 # Its quantiles are read off a histogram of 5000 bins over the values' range.
 BIN = 1e-3
+# LeRobot 0.6.1's own deleting, splitting and merging number these anew and leave statistics of them
+# as they were. No policy is normalized by them.
+RENUMBERED = ("episode_index", "index", "task_index")
 
 
 def check_statistics(contents: Contents) -> Iterator[Finding]:
@@ -29,7 +33,7 @@ def check_statistics(contents: Contents) -> Iterator[Finding]:
         values = contents.column(key)
         if values.reshape(len(values), -1).size == 0 or not np.isfinite(values).all():
             continue  # said where the values are checked
-        if key not in stored:
+        if not isinstance(stored.get(key), dict):
             if stored:
                 yield Finding("statistics", "no statistics of a feature", "warning", STATS,
                               column=key)  # fmt: skip
@@ -38,8 +42,11 @@ def check_statistics(contents: Contents) -> Iterator[Finding]:
         yield from _episodes(contents, key, values, there)
     for dtype in PICTURES:
         for key in contents.pictures(dtype):
-            if key in stored:
+            if isinstance(stored.get(key), dict):
                 yield from _pictures(contents, key, stored[key])
+            elif stored:
+                yield Finding("statistics", "no statistics of a feature", "warning", STATS,
+                              column=key)  # fmt: skip
 
 
 def _stored(contents: Contents) -> Mapping[str, Any]:
@@ -78,7 +85,7 @@ def _dataset(
         average = name in QUANTILES and _is_average(contents, key, name, found)
         (averages if average else wrong).append((name, found, off))
     kinds: tuple[tuple[str, str, Severity, list[tuple[str, NDArray, NDArray]]], ...] = (
-        ("statistics", "not the statistics of the rows", "error", wrong),
+        ("statistics", "not the statistics of the rows", _severity(key), wrong),
         ("averaged-quantiles", "the mean of the episodes' quantiles, not a quantile of the rows "
          "(lerobot issue 4156)", "warning", averages),
     )  # fmt: skip
@@ -121,9 +128,13 @@ def _episodes(contents: Contents, key: str, values: NDArray, there: Runs) -> Ite
         column, found, wrong, expected = worst
         episode, at = (int(i) for i in np.argwhere(wrong)[0])
         yield Finding("statistics", f"not the statistics of the episode's rows "
-                      f"({', '.join(names)})", file=EPISODES, episode=episode, column=column,
+                      f"({', '.join(names)})", _severity(key), EPISODES, episode, column,
                       found=float(found[episode, at]), expected=float(expected[episode, at]),
                       places=int(places.sum()))  # fmt: skip
+
+
+def _severity(key: str) -> Severity:
+    return "warning" if key in RENUMBERED else "error"
 
 
 def _close(name: str, found: NDArray, exact: Stats) -> NDArray[np.bool_]:
@@ -171,8 +182,12 @@ def _pictures(contents: Contents, key: str, stored: Mapping[str, Any]) -> Iterat
                           column=f"{key}/{name}", found=stored.get(name))  # fmt: skip
             return
         found[name] = numbers
+    if len({numbers.shape for name, numbers in found.items() if name != "count"}) > 1:
+        yield Finding("statistics", "not as many numbers in each", file=STATS, column=key,
+                      found={name: numbers.size for name, numbers in found.items()})  # fmt: skip
+        return
     order = np.stack([found[name] for name in ("min", "q01", "q50", "q99", "max")])
-    depth = (contents.features[key].get("info") or {}).get("is_depth_map")
+    depth = settings_of(contents.features[key]).get("is_depth_map")
     outside = not depth and (order.min() < -1e-6 or order.max() > 1 + 1e-6)
     if outside or (np.diff(order, axis=0) < -1e-6).any():
         yield Finding("statistics", "pixels out of order or of [0, 1]", file=STATS, column=key,
@@ -180,11 +195,14 @@ def _pictures(contents: Contents, key: str, stored: Mapping[str, Any]) -> Iterat
     columns = {n: f"stats/{key}/{n}" for n in ("min", "max", "mean", "count")}
     if not set(columns.values()) <= set(contents.episodes.column_names):
         return
-    per = {n: _nested(contents.episodes[c].to_pylist()) for n, c in columns.items()}
+    with unreadable("statistics", "gaps or mixed shapes", TypeError, ValueError, file=EPISODES,
+                    column=f"stats/{key}"):  # fmt: skip
+        per = {n: _nested(contents.episodes[c].to_pylist()) for n, c in columns.items()}
     expected = {"min": per["min"].min(axis=0), "max": per["max"].max(axis=0),
                 "mean": averaged(per["mean"], per["count"][:, :1])}  # fmt: skip
     for name, numbers in expected.items():
-        if not np.allclose(found[name], numbers, rtol=1e-4, atol=1e-4):
+        same = found[name].shape == numbers.shape
+        if not (same and np.allclose(found[name], numbers, rtol=1e-4, atol=1e-4)):
             yield Finding("statistics", "not those of its episodes", file=STATS,
                           column=f"{key}/{name}", found=found[name],
                           expected=numbers.tolist())  # fmt: skip

@@ -6,10 +6,12 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+import pyarrow as pa
 from numpy.typing import NDArray
 
 from lfr.curation.checks.ranges import bounds
 from lfr.curation.contents import DEFAULT_FEATURES, EPISODES, Contents, Runs, runs
+from lfr.curation.features import names_of
 from lfr.curation.finding import Finding, first
 from lfr.data.episode import DONE, REWARD, SUCCESS
 
@@ -58,14 +60,16 @@ def check_values(contents: Contents) -> Iterator[Finding]:
 
 def _names(feature: dict[str, Any], key: str, size: int) -> list[str]:
     """What each dimension is called, `action.dx`, for the findings."""
-    names = feature.get("names")
-    if isinstance(names, list) and len(names) == size > 1:
+    names = names_of(feature)
+    if len(names) == size > 1:
         return [f"{key}.{name}" for name in names]
     return [key] if size == 1 else [f"{key}[{i}]" for i in range(size)]
 
 
 def _ranges(contents: Contents, key: str, names: list[str], rows: NDArray) -> Iterator[Finding]:
     for i, (low, high) in bounds(key, contents.features).items():
+        if i >= len(names):
+            continue  # more names than dimensions: said where the schema is checked
         column = rows[:, i]
         wrong = (column < low - SLACK) | (column > high + SLACK)
         if wrong.any():
@@ -122,13 +126,25 @@ def _outcomes(contents: Contents, there: Runs) -> Iterator[Finding]:
         if not any_success.any():
             yield Finding("success", "no successful episode", "warning", "data", column=SUCCESS,
                           found=f"0 of {len(any_success)}")  # fmt: skip
-        if "success" in contents.episodes.column_names:
-            said = contents.episode_column("success").astype(bool)
-            if len(said) == len(any_success) and (wrong := said != any_success).any():
+        said = _said(contents)
+        if len(said) == len(any_success):
+            wrong = np.array(
+                [s is not None and s != a for s, a in zip(said, any_success, strict=True)]
+            )
+            if wrong.any():
                 at, places = first(wrong)
                 yield Finding("success", "another outcome than its rows have", file=EPISODES,
-                              episode=at, column="success", found=bool(said[at]),
+                              episode=at, column="success", found=said[at],
                               expected=bool(any_success[at]), places=places)  # fmt: skip
+
+
+def _said(contents: Contents) -> list[bool | None]:
+    """The column `success` of meta/episodes; None where it has a gap, as after merging."""
+    episodes = contents.episodes
+    if "success" not in episodes.column_names:
+        return []
+    column = episodes["success"]
+    return column.to_pylist() if pa.types.is_boolean(column.type) else []
 
 
 def _only(rows: NDArray, count: int) -> NDArray[np.bool_]:

@@ -8,6 +8,7 @@ import numpy as np
 
 from lfr.curation.checks.order import TOLERANCE_S
 from lfr.curation.contents import EPISODES, Contents
+from lfr.curation.features import names_of, settings_of, shape_of
 from lfr.curation.finding import Finding, first
 from lfr.curation.mp4 import BrokenVideoError, VideoHeader, read_header
 
@@ -45,14 +46,12 @@ def check_videos(contents: Contents) -> Iterator[Finding]:
 
 def _format(contents: Contents, key: str, name: str, header: VideoHeader) -> Iterator[Finding]:
     feature = contents.features[key]
-    pairs = zip(feature.get("names") or (), feature.get("shape") or (), strict=False)
-    named: dict[str, int] = dict(pairs)
+    named: dict[str, int] = dict(zip(names_of(feature), shape_of(feature), strict=False))
     expected = (named.get("height"), named.get("width"))
     if None not in expected and (header.height, header.width) != expected:
         yield Finding("shape", "a video of another size than info.json says", file=name, column=key,
                       found=(header.height, header.width), expected=expected)  # fmt: skip
-    info = feature.get("info") or {}
-    fps = info.get("video.fps")
+    fps = settings_of(feature).get("video.fps")
     if fps is not None and fps != contents.fps:
         yield Finding("fps", "a video at another rate than the rows", file="meta/info.json",
                       column=key, found=fps, expected=contents.fps)  # fmt: skip
