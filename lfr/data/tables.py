@@ -83,7 +83,7 @@ class DatasetFiles:
         """Names of the tasks recorded, where the dataset has this project's column of them."""
         if "task_name" not in self.episodes.column_names:
             return []
-        return sorted(set(self.episodes["task_name"].to_pylist()))
+        return sorted({name for name in self.episodes["task_name"].to_pylist() if name})
 
 
 def other_format(path: Path, version: object) -> DataError:
