@@ -66,42 +66,44 @@ def mapping_job(
     )  # fmt: skip
 
 
+@dataclass(frozen=True)
+class Material:
+    """What a mapping needs of the demonstrations, and no more of them.
+
+    Attributes:
+        training, held_out: the common tasks with states of both arms.
+        windows: (N, H, A), of the common tasks by both arms, if pairs of posteriors are asked for.
+        new: the source's prior of the new task, and its held-out states of it.
+        datasets: common dataset's name -> SHA-256 of its rows.
+        action_names: of each dimension, if both arms' actions are the same things.
+    """
+
+    training: dict[str, CommonTask]
+    held_out: dict[str, CommonTask]
+    windows: Tensor | None
+    new: tuple[SkillPrior, Tensor]
+    datasets: dict[str, str]
+    action_names: tuple[str, ...] | None
+
+
 def fit_mapping(job: MappingJob) -> dict[str, Any]:
     """Train and save G and F (Algorithm 1), from states of both arms' common demonstrations."""
     transfer, skills = job.transfer, Path(job.skills)
     vaes = load_vae(skills / "source" / "vae"), load_vae(skills / "target" / "vae")
-    source = _read(job, transfer.source, "source", (*transfer.common, transfer.task))
-    target = _read(job, transfer.target, "target", transfer.common)
-    known = _common(job, source, target, "training_states")
     seed = int(fingerprint(transfer.name, job.seed), 16) % 2**31
-    windows = None
-    if job.params.posterior_share:  # which needs actions that mean the same to both arms
-        arms = (("source", source), ("target", target))
-        windows = balanced(
-            {f"{role}-{task}": thinned(demonstrations[task].training.actions)
-             for role, demonstrations in arms for task in transfer.common}, seed,
-        )  # fmt: skip
-    g, f = train_mapping(list(known.values()), vaes, windows, job.params, seed)
-
-    learned = [arm[task] for arm in (source, target) for task in transfer.common]
+    known = read_material(job, seed)
+    g, f = train_mapping(list(known.training.values()), vaes, known.windows, job.params, seed)
     seen = MappingSeen(
-        transfer.name, transfer.source, transfer.target, transfer.common,
-        {one.dataset: one.digest for one in learned}, seed,
-    )  # fmt: skip
+        transfer.name, transfer.source, transfer.target, transfer.common, known.datasets, seed
+    )
     save_generator(Path(job.folder) / "g", g, seen)
     save_generator(Path(job.folder) / "f", f, seen)
 
-    held_out = _common(job, source, target, "held_out_states")
-    new = load_prior(skills / "source" / f"prior-{transfer.task}", source[transfer.task].names)
-    new_states = source[transfer.task].held_out_states
-    spaces = source[transfer.task].actions, target[transfer.common[0]].actions
-
     def decoded(prior: SkillPrior, states: Tensor) -> dict[str, float]:
-        """Nothing where the arms' actions are different things."""
-        if spaces[0] != spaces[1]:
+        if known.action_names is None:
             return {}
         rms = decoded_difference(prior, states, g, *vaes).tolist()
-        return dict(zip(spaces[0].names, rms, strict=True))
+        return dict(zip(known.action_names, rms, strict=True))
 
     return {
         "source": transfer.source,
@@ -111,15 +113,43 @@ def fit_mapping(job: MappingJob) -> dict[str, Any]:
                 **common_report(one, g, f),
                 "decoded_difference": decoded(one.prior_x, one.observations),
             }
-            for task, one in held_out.items()
+            for task, one in known.held_out.items()
         },
         "new": {
             transfer.task: {
-                **new_task_report(new, new_states, g, f),
-                "decoded_difference": decoded(new, new_states),
+                **new_task_report(*known.new, g, f),
+                "decoded_difference": decoded(*known.new),
             }
         },
     }
+
+
+def read_material(job: MappingJob, seed: int) -> Material:
+    """Read both arms' demonstrations and keep what the mapping needs of them."""
+    transfer = job.transfer
+    source = _read(job, transfer.source, "source", (*transfer.common, transfer.task))
+    target = _read(job, transfer.target, "target", transfer.common)
+    windows = None
+    if job.params.posterior_share:
+        arms = (("source", source), ("target", target))
+        windows = balanced(
+            {f"{role}-{task}": thinned(demonstrations[task].training.actions)
+             for role, demonstrations in arms for task in transfer.common}, seed,
+        )  # fmt: skip
+    new = source[transfer.task]
+    spaces = new.actions, target[transfer.common[0]].actions
+    learned = [arm[task] for arm in (source, target) for task in transfer.common]
+    return Material(
+        training=_common(job, source, target, "training_states"),
+        held_out=_common(job, source, target, "held_out_states"),
+        windows=windows,
+        new=(
+            load_prior(Path(job.skills) / "source" / f"prior-{transfer.task}", new.names),
+            new.held_out_states,
+        ),
+        datasets={one.dataset: one.digest for one in learned},
+        action_names=spaces[0].names if spaces[0] == spaces[1] else None,
+    )
 
 
 def _common(
