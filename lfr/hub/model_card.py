@@ -45,7 +45,8 @@ def model_card(facts: ModelFacts, *, repo_id: str | None = None, license: str | 
         _header(facts, license or LICENSE),
         f"# {facts.title}",
         f"{ABOUT[facts.stage]} Part of lfr (Learn from Robot), after the method of Yang, Stork and "
-        "Stoyanov; simulated arms, actions in Cartesian space.",
+        + ("Stoyanov; simulated arms, actions in Cartesian space." if _simulated(facts) else
+           "Stoyanov; of arms that are known by their datasets alone."),
         "## What is in it",
         table(("folder", "kind", "arm", "tasks seen", "shape", "kB"), map(_part, facts.parts)),
         *_seen(facts),
@@ -60,13 +61,13 @@ def model_card(facts: ModelFacts, *, repo_id: str | None = None, license: str | 
 
 
 def _header(facts: ModelFacts, license: str) -> ModelCardData:
-    robots = dict.fromkeys(r for part in facts.parts for r in _robots(part))
+    scene = ("simulation", "robosuite") if _simulated(facts) else ()
     task = facts.results.get("transfer", {}).get("task")
     return ModelCardData(
         license=license,
         library_name="lfr",
         pipeline_tag="robotics",
-        tags=[t for t in ("robotics", "simulation", "robosuite", facts.stage, *robots, task) if t],
+        tags=[t for t in ("robotics", *scene, facts.stage, *_arms(facts), task) if t],
         model_name=facts.title,
         eval_results=_evaluations(facts) or None,
         ignore_metadata_errors=False,
@@ -109,6 +110,14 @@ def _part(part: Part) -> tuple[str, ...]:
             f"{part.size / 1000:.0f}")  # fmt: skip
 
 
+def _arms(facts: ModelFacts) -> list[str]:
+    return list(dict.fromkeys(robot for part in facts.parts for robot in _robots(part)))
+
+
+def _simulated(facts: ModelFacts) -> bool:
+    return set(_arms(facts)) <= set(ROBOTS)
+
+
 def _robots(part: Part) -> list[str]:
     seen = part.seen
     return [seen["robot"]] if "robot" in seen else [seen[k] for k in ("source", "target")]
@@ -142,7 +151,7 @@ def _skill_results(noted: dict[str, Any]) -> str:
             about["robot"],
             task,
             _rate(prior["own_arm"]) if prior.get("own_arm") else "",
-            f"{prior['kl_held_out']:.1f}",
+            "" if prior["kl_held_out"] is None else f"{prior['kl_held_out']:.1f}",
         )
         for role, about in noted.items()
         if isinstance(about, dict) and "prior" in about
@@ -208,19 +217,22 @@ def _rebuild(facts: ModelFacts) -> list[str]:
     commands = shell(
         f"git checkout {provenance['revision']}",
         "make setup",
-        f".venv/bin/dvc repro {facts.stage}@{facts.name}",
+        f".venv/bin/dvc repro {'' if _simulated(facts) else 'brought-'}{facts.stage}@{facts.name}",
     )
     return ["## Rebuild", f"In a checkout of lfr, the revision that made it{changed}:", commands]
 
 
 def _limits(facts: ModelFacts) -> str:
-    robots = dict.fromkeys(r for part in facts.parts for r in _robots(part))
+    states = "It acts on states in {} observation layout, not on pictures, and needs lfr to run."
+    if not _simulated(facts):
+        lines = ["No arm has moved by it, in simulation or elsewhere.", states.format("its own")]
+        return "\n".join(f"- {line}" for line in lines)
     lines = [
         "Simulated: no real robot has moved.",
-        "It acts on states in lfr's observation layout, not on pictures, and needs lfr to run.",
+        states.format("lfr's"),
         "The intervals are those of the evaluation's episodes, not of the training.",
     ]
-    for robot in robots:
+    for robot in _arms(facts):
         for first, second in ROBOTS[robot].excluded_contacts if robot in ROBOTS else ():
             lines.append(
                 f"{ROBOTS[robot].stock_name}'s contact between `{first}` and `{second}` is "

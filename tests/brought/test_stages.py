@@ -12,6 +12,8 @@ import pytest
 from lfr.artifacts import read_json
 from lfr.brought import brought
 from lfr.errors import LfrError
+from lfr.hub.model_card import model_card
+from lfr.hub.model_facts import read_models
 from lfr.mapping.artifacts import load_generator, load_mapping_seen
 from lfr.scenarios import scenario, transfer
 from lfr.skills.artifacts import load_prior, load_seen, load_vae
@@ -107,6 +109,16 @@ def test_a_mapped_skill_does_on_the_target_what_the_source_would_do(project: Pat
             wanted = velocity / np.linalg.norm(velocity)
             cosines.append(float(wanted @ [cos, sin]) / float(np.hypot(cos, sin)))
         assert np.mean(cosines) > 0.9
+
+
+def test_cards_claim_no_simulation(project: Path) -> None:
+    for stage, words in (("skills", "vae"), ("mapping", "generator")):
+        facts = read_models(project / "models" / stage / NAME, project / "results")
+        text = model_card(facts)
+        assert "robosuite" not in text
+        assert "imulated" not in text
+        assert f"dvc repro brought-{stage}@{NAME}" in text
+        assert words in text
 
 
 def test_arms_that_observe_different_things_are_refused_before_training(
