@@ -28,7 +28,7 @@ class MappingParams:
     learning_rate: float = 1e-3
     symmetry: SymmetryParams = field(default_factory=SymmetryParams)  # of the states compared
     state_noise: float = 0.1  # of an input's normalised unit: states between and beside the demos
-    posterior_share: float = 0.25  # share of pairs that are both encoders' posteriors of one window
+    posterior_share: float = 0.5  # share of pairs that are both encoders' posteriors of one window
 
 
 @dataclass(frozen=True)
