@@ -1,6 +1,6 @@
 """Packing state-only episodes: from logs to a checked dataset, against LeRobot's `save_episode`.
 
-    python -m benchmarks.packing [--episodes 50] [--repeats 3] [--out results/benchmarks]
+    python -m benchmarks.packing [--episodes 50] [--repeats 5] [--out results/benchmarks]
 
 Ours is all that the pack stage does: every log is read and hashed, the dataset written, checked,
 opened with LeRobotDataset and compared with its logs, which are read once more. LeRobot's side is
@@ -68,11 +68,13 @@ def save_with_lerobot(
     episodes: Sequence[Frames], features: dict[str, Any], root: Path, about: Episode
 ) -> None:
     """Record the frames of all episodes with LeRobot's own writer."""
+    from datasets import disable_progress_bars
     from lerobot.datasets import LeRobotDataset
 
+    disable_progress_bars()  # one for each episode; opening a dataset brings them back
     recorded = LeRobotDataset.create(
         f"lfr/{root.name}", about.metadata["fps"], features,
-        root=root, robot_type=about.robot, use_videos=False,
+        root=root, robot_type=about.robot, use_videos=False, video_backend="pyav",
     )  # fmt: skip
     for frames in episodes:
         for frame in frames:
@@ -124,7 +126,7 @@ def _seconds(act: Callable[[], object]) -> float:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--episodes", type=int, default=50)
-    parser.add_argument("--repeats", type=int, default=3)
+    parser.add_argument("--repeats", type=int, default=5)
     parser.add_argument("--out", type=Path, default=FOLDER)
     arguments = parser.parse_args()
     params = read_section(RecordParams, "record")

@@ -1,6 +1,6 @@
 """Windows of H actions per second: gathered from tensors, and read by LeRobotDataset.
 
-    python -m benchmarks.windows [--episodes 1000] [--repeats 5] [--out results/benchmarks]
+    python -m benchmarks.windows [--episodes 1000] [--repeats 3] [--out results/benchmarks]
 
 The same windows on both sides, which is checked first: a row's observation and the H actions from
 it on, `skills.vae.horizon` of them, of rows drawn at random from a made-up dataset of states alone.
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from lerobot.datasets import LeRobotDataset
 
 RATIO_GOAL = 1000.0
-LARGE = 1024  # windows in a larger batch
+LARGE = 512  # windows in a larger batch
 GATHERED, READ = 200_000, 256  # windows timed at a time, ours and by `__getitem__`
 WORKERS, TIMED = 2, 2  # of the DataLoader; batches of each worker that are timed, after its first
 
@@ -136,7 +136,7 @@ def measure(path: Path, horizon: int, batches: tuple[int, ...], repeats: int) ->
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--episodes", type=int, default=1000)
-    parser.add_argument("--repeats", type=int, default=5)
+    parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--out", type=Path, default=FOLDER)
     arguments = parser.parse_args()
     torch.set_num_threads(1)

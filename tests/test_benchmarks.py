@@ -49,7 +49,9 @@ def test_other_windows_are_found_out(dataset: Path) -> None:
     from lerobot.datasets import LeRobotDataset
 
     timestamps = {"action": [t / 20 for t in range(4)]}
-    theirs = LeRobotDataset("lfr/panda-lift", dataset, delta_timestamps=timestamps)
+    theirs = LeRobotDataset(
+        "lfr/panda-lift", dataset, delta_timestamps=timestamps, video_backend="pyav"
+    )
     known = read_dataset(dataset)
     reading.check_same(Windows(known, 4, padded=True), theirs)
     other = dataclasses.replace(known, actions=known.actions + 1e-6)
