@@ -4,7 +4,8 @@
 
 The stages' own jobs run (`fit_vae`, `fit_prior`, `fit_mapping`: reading and checking the datasets,
 training, saving, and the report on held-out episodes) with the parameters of params.yaml, but for
-the number of gradient steps: no step keeps anything, so more of them take no more memory. The skill
+the number of gradient steps: no step keeps anything, so more of them take no more memory. At this
+size there are no moved copies: `lfr.skills.rows.MOST_ROWS` leaves no room for them. The skill
 VAE and the prior are the target's and learn from one dataset of that size, the mapping from one of
 each arm, which hold the same made-up rows. What the mapping needs besides is small and not
 measured: the source's models and its demonstrations of the new task, of a few episodes.
