@@ -45,8 +45,11 @@ def model_card(facts: ModelFacts, *, repo_id: str | None = None, license: str | 
         _header(facts, license or LICENSE),
         f"# {facts.title}",
         f"{ABOUT[facts.stage]} Part of lfr (Learn from Robot), after the method of Yang, Stork and "
-        + ("Stoyanov; simulated arms, actions in Cartesian space." if _simulated(facts) else
-           "Stoyanov; of arms that are known by their datasets alone."),
+        + (
+            "Stoyanov; simulated arms, actions in Cartesian space."
+            if _simulated(facts)
+            else "Stoyanov; of arms that are known by their datasets alone."
+        ),
         "## What is in it",
         table(("folder", "kind", "arm", "tasks seen", "shape", "kB"), map(_part, facts.parts)),
         *_seen(facts),
