@@ -38,11 +38,12 @@ def model_card(facts: ModelFacts, *, repo_id: str | None = None, license: str | 
     Args:
         facts: of the models.
         repo_id: where they are published; None is the folder in this project.
-        license: None is that of this project.
+        license: None is that of this project for models of its own data; of models that learned from
+            the data of others nothing is claimed.
     """
     results = _results(facts)
     return card(
-        _header(facts, license or LICENSE),
+        _header(facts, license or (LICENSE if _simulated(facts) else None)),
         f"# {facts.title}",
         f"{ABOUT[facts.stage]} Part of lfr (Learn from Robot), after the method of Yang, Stork and "
         + (
@@ -63,7 +64,7 @@ def model_card(facts: ModelFacts, *, repo_id: str | None = None, license: str | 
     )
 
 
-def _header(facts: ModelFacts, license: str) -> ModelCardData:
+def _header(facts: ModelFacts, license: str | None) -> ModelCardData:
     scene = ("simulation", "robosuite") if _simulated(facts) else ()
     task = facts.results.get("transfer", {}).get("task")
     return ModelCardData(

@@ -116,6 +116,7 @@ def test_cards_claim_no_simulation(project: Path) -> None:
         facts = read_models(project / "models" / stage / NAME, project / "results")
         text = model_card(facts)
         assert "robosuite" not in text
+        assert "license:" not in text
         assert "imulated" not in text
         assert f"dvc repro brought-{stage}@{NAME}" in text
         assert words in text
