@@ -38,8 +38,8 @@ def model_card(facts: ModelFacts, *, repo_id: str | None = None, license: str | 
     Args:
         facts: of the models.
         repo_id: where they are published; None is the folder in this project.
-        license: None is that of this project for models of its own data; of models that learned from
-            the data of others nothing is claimed.
+        license: None is this project's for models of its own data; of models that learned from the
+            data of others nothing is claimed.
     """
     results = _results(facts)
     return card(
