@@ -1,6 +1,7 @@
-"""How much a mapping's own seed matters: zero-shot success of several G on learning starts.
+r"""How much a mapping's own seed matters: zero-shot success of several G on learning starts.
 
-    python -m pipeline._mapping_seeds --transfer s2-sawyer-pick_place --share 0.25 0.5 --seed 1 2 3 4
+    python -m pipeline._mapping_seeds --transfer s2-sawyer-pick_place \
+        --share 0.25 0.5 --seed -1 1 2 3 4
 
 Data and skill models are those of `dvc repro`, and stay the same; each G is trained as the stage
 trains it, but for its seed and `mapping.posterior_share`, and tried on starts that are not held
