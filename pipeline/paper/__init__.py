@@ -1,0 +1,1 @@
+"""The evidence: many seeds, every method, both rewards; the stages of paper/dvc.yaml."""
