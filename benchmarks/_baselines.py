@@ -13,7 +13,7 @@ from torch import Tensor, nn
 
 from lfr.skills.vae import LOG_SIGMA_RANGE
 from lfr.transfer.critic import OBSERVATION_CLIP
-from lfr.transfer.methods import Start
+from lfr.transfer.methods.start import Start
 from lfr.transfer.params import TransferParams
 
 try:

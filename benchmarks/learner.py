@@ -26,7 +26,7 @@ from lfr.skills.params import SkillsParams
 from lfr.skills.prior import SkillPrior
 from lfr.skills.vae import SkillVAE
 from lfr.transfer.learner import Learner
-from lfr.transfer.methods import Artifacts, Start, method
+from lfr.transfer.methods.start import Start, start_from
 from lfr.transfer.params import TransferParams
 from lfr.transfer.replay import Batch, Replay
 
@@ -42,12 +42,10 @@ def start(params: TransferParams) -> Start:
     mapping = read_section(MappingParams, "mapping")
     latent = skills.vae.latent_dim
     names = [f"{'a_to_b' if i >= OBSERVATION // 2 else 'a'}{i}_pos" for i in range(OBSERVATION)]
-    artifacts = Artifacts(
-        SkillPrior(names, latent, skills.prior.hidden, skills.prior.layers),
-        Generator(latent, mapping.hidden, mapping.layers),
-        SkillVAE(skills.vae.horizon, 7, latent, skills.vae.hidden),
-    )
-    return method("lfr")(artifacts, params)
+    prior = SkillPrior(names, latent, skills.prior.hidden, skills.prior.layers)
+    phi = Generator(latent, mapping.hidden, mapping.layers)
+    decoder = SkillVAE(skills.vae.horizon, 7, latent, skills.vae.hidden)
+    return start_from(prior, phi, decoder, params, prior)
 
 
 def ours(params: TransferParams) -> Measurement:

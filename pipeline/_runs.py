@@ -6,11 +6,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from lfr.mapping.artifacts import load_generator
 from lfr.scenarios import Transfer
 from lfr.sim.simulation import simulation
-from lfr.skills.artifacts import load_prior, load_vae
-from lfr.transfer.methods import Artifacts, method
+from lfr.transfer.methods import start_of
+from lfr.transfer.methods.start import TrainedModels
 from lfr.transfer.model import save_policy
 from lfr.transfer.params import TransferParams
 from lfr.transfer.starts import evaluation_starts
@@ -43,13 +42,8 @@ def learn(job: RunJob) -> dict[str, Any]:
     """Run it, or go on where it was killed; counts and the curve, as `lfr.transfer.train` says."""
     transfer, folder = job.transfer, Path(job.folder)
     robot, task = transfer.target, transfer.task
-    skills = Path(job.skills)
-    artifacts = Artifacts(
-        source_prior=load_prior(skills / "source" / f"prior-{task}"),
-        generator=load_generator(Path(job.mapping) / "g"),
-        target_vae=load_vae(skills / "target" / "vae"),
-    )
-    start = method(job.method)(artifacts, job.params)
+    models = TrainedModels(transfer, Path(job.skills), Path(job.mapping))
+    start = start_of(job.method, models, job.params, job.seed)
     about = {"transfer": transfer.name, "method": job.method}
     described = {"robot": robot, "task": task, "seed": job.seed, **about}
     save_policy(folder / "initial", start.actor, described)

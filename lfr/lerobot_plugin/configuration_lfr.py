@@ -28,12 +28,14 @@ class LfrConfig(PreTrainedConfig):
     Attributes:
         robot, task_name: the arm and the task that it has learned.
         networks: of each network its class and the arguments of its constructor.
+        distribution: what the policy draws its skills from (`lfr.transfer.distribution`).
         about: all else that was saved with it: transfer, method, seed, parameters, provenance.
     """
 
     robot: str = ""
     task_name: str = ""
     networks: dict[str, Any] = field(default_factory=dict)
+    distribution: str = "gaussian"
     about: dict[str, Any] = field(default_factory=dict)
     # The networks scale their inputs themselves.
     normalization_mapping: dict[str, NormalizationMode] = field(

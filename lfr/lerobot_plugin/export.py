@@ -56,6 +56,7 @@ def export_policy(folder: Path, out: Path) -> tuple[str, str]:
         robot=about["robot"],
         task_name=about["task"],
         networks=content["networks"],
+        distribution=content.get("distribution", LfrConfig.distribution),
         about={key: value for key, value in about.items() if key not in ("robot", "task")},
         input_features=given,
         output_features=answered,

@@ -13,9 +13,7 @@ from torch import Tensor, nn
 
 from lfr.errors import LfrError
 from lfr.lerobot_plugin.configuration_lfr import LfrConfig
-from lfr.transfer.actor import SkillActor
-from lfr.transfer.model import PARTS
-from lfr.transfer.policy import MappedPolicy
+from lfr.transfer.model import PARTS, actor_of
 
 
 class LfrPolicy(PreTrainedPolicy):
@@ -35,11 +33,7 @@ class LfrPolicy(PreTrainedPolicy):
         for name, entry in config.networks.items():
             networks[name] = PARTS[entry["class"]].network(**entry["shape"])
             self.add_module(name, networks[name].requires_grad_(False))
-        self._actor = SkillActor(
-            policy=MappedPolicy(networks["pi"], networks["phi"]),
-            prior=MappedPolicy(networks["p_a"], networks["phi_prior"]),
-            decoder=networks["decoder"],  # pyright: ignore[reportArgumentType]
-        )
+        self._actor = actor_of(networks, config.distribution)
         self._task = config.task_name
         self._waiting: deque[Tensor] = deque()
 

@@ -3,15 +3,37 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
-from torch import Tensor
+from torch import Tensor, nn
 
-from lfr.skills.vae import SkillVAE
+from lfr.transfer.distribution import GAUSSIAN, Distribution
 from lfr.transfer.policy import MappedPolicy
+
+
+class Decoder(Protocol):
+    """What turns skills into actions: a skill VAE, or `OneAction`."""
+
+    @property
+    def latent_dim(self) -> int: ...
+
+    def carry_out(self, z: Tensor, /) -> Tensor:
+        """The actions (B, n, A) in [-1, 1] of skills (B, Z)."""
+        ...
+
+
+class OneAction(nn.Module):
+    """The decoder of a method without skills: z is the next control step's action itself."""
+
+    def __init__(self, latent_dim: int) -> None:
+        super().__init__()
+        self.latent_dim = latent_dim
+
+    def carry_out(self, z: Tensor) -> Tensor:
+        return z.clamp(-1.0, 1.0)[:, None, :]
 
 
 class Choice(NamedTuple):
@@ -30,20 +52,20 @@ class SkillActor:
         policy: pi' (Eq. 7).
         prior: the frozen phi(p_a) of Eq. 9, kept to show how far the policy moved from it.
         decoder: the target arm's skill VAE, frozen.
+        distribution: how the policy's (mu, log_sigma) become a skill.
     """
 
     policy: MappedPolicy
     prior: MappedPolicy
-    decoder: SkillVAE
+    decoder: Decoder
+    distribution: Distribution = GAUSSIAN
 
     @torch.no_grad()
     def choose(self, observations: Tensor, generator: torch.Generator | None = None) -> Choice:
         """Skills for observations (B, D): a sample with a generator, the mean without."""
         mu, log_sigma = self.policy(observations)
-        if generator is None:
-            return Choice(mu, mu, log_sigma)
-        epsilon = torch.randn(mu.shape, generator=generator)
-        return Choice(mu + log_sigma.exp() * epsilon, mu, log_sigma)
+        noise = None if generator is None else torch.randn(mu.shape, generator=generator)
+        return Choice(self.distribution.skill(mu, log_sigma, noise), mu, log_sigma)
 
     @torch.no_grad()
     def decode(self, z: Tensor) -> NDArray[np.float64]:

@@ -7,8 +7,8 @@ import copy
 import torch
 from torch import Tensor, nn
 
-from lfr.skills.gaussian import kl_divergence
 from lfr.transfer.critic import CriticEnsemble, critic_loss, pessimistic, td_target
+from lfr.transfer.distribution import GAUSSIAN, Distribution
 from lfr.transfer.optimizer import FlatAdam, flatten_parameters, trainable
 from lfr.transfer.params import TransferParams
 from lfr.transfer.policy import MappedPolicy
@@ -28,6 +28,7 @@ class Learner:
         policy: pi' = phi o pi (Eq. 7), observations (B, D) to (mu, log_sigma).
         normalizer: maps raw observations (B, D) to unit scale for the critics.
         generator: all of the update's noise comes from it.
+        distribution: how the policy's (mu, log_sigma) become a skill.
     """
 
     def __init__(
@@ -38,8 +39,9 @@ class Learner:
         latent_dim: int,
         params: TransferParams,
         generator: torch.Generator,
+        distribution: Distribution = GAUSSIAN,
     ) -> None:
-        self.params, self.generator = params, generator
+        self.params, self.generator, self.distribution = params, generator, distribution
         self.policy, self.policy_parameters = policy, trainable(policy)
         inputs = normalizer(torch.zeros(1, observation_dim)).shape[-1]  # may hold more than D
         self.critics = CriticEnsemble(
@@ -77,9 +79,11 @@ class Learner:
     def targets(self, batch: Batch, alpha: Tensor, noise: Tensor) -> Tensor:
         """The TD targets (B,) of a batch, from the target critics and the policy as it is."""
         mu, log_sigma = self.policy(batch.next_observation)
-        next_z = mu + log_sigma.exp() * noise
+        next_z = self.distribution.skill(mu, log_sigma, noise)
         next_q, _ = self.target.values(self.target.inputs(batch.next_observation), next_z)
-        kl = kl_divergence(mu, log_sigma, batch.next_prior_mu, batch.next_prior_log_sigma)
+        kl = self.distribution.divergence(
+            mu, log_sigma, noise, batch.next_prior_mu, batch.next_prior_log_sigma
+        )
         next_q = pessimistic(next_q, self.subset())
         return td_target(batch.reward, batch.discount, next_q, alpha, kl)
 
@@ -93,12 +97,14 @@ class Learner:
     def improve(self, batch: Batch, inputs: Tensor, alpha: Tensor, noise: Tensor) -> Info:
         """One step of the policy on alpha KL - Q (Eq. 9), and of the temperature."""
         mu, log_sigma = self.policy(batch.observation)
-        z = mu + log_sigma.exp() * noise  # reparameterised
+        z = self.distribution.skill(mu, log_sigma, noise)  # reparameterised
         q, traces = self.critics.values(inputs, z.detach())
         value, slope = self.value(q)
         # -Q enters by its gradient: grad_outputs of z are those of -value by z.
         by_z = self.critics.by_skill(traces, -slope)
-        kl = kl_divergence(mu, log_sigma, batch.prior_mu, batch.prior_log_sigma).mean()
+        kl = self.distribution.divergence(
+            mu, log_sigma, noise, batch.prior_mu, batch.prior_log_sigma
+        ).mean()
         gradients = torch.autograd.grad([kl, z], self.policy_parameters, [alpha, by_z])
         self.policy_adam.descend(torch.cat([g.reshape(-1) for g in gradients]))
         kl = kl.detach()

@@ -25,7 +25,7 @@ from lfr.transfer.checkpoint import load_checkpoint, save_checkpoint
 from lfr.transfer.environment import Array, Outcome, RewardRule, RunningEpisode, Simulated
 from lfr.transfer.learner import Learner
 from lfr.transfer.means import Means
-from lfr.transfer.methods import Start
+from lfr.transfer.methods.start import Start
 from lfr.transfer.observer import CurvePoint, EpisodeRecord, Observer
 from lfr.transfer.params import TransferParams
 from lfr.transfer.replay import Batch, Replay
@@ -78,7 +78,7 @@ class TransferLoop:
             torch.manual_seed(seed)  # the critics' initial weights
             self.learner = Learner(
                 start.actor.policy, start.normalizer, len(start.layout_names), start.latent_dim,
-                params, self.generator,
+                params, self.generator, start.actor.distribution,
             )  # fmt: skip
         self.replay = Replay(params.replay, len(start.layout_names), start.latent_dim)
         self.progress = Progress()

@@ -5,20 +5,26 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from torch import nn
-
 from lfr.artifacts import plain, save_model
 from lfr.mapping.artifacts import GENERATOR
 from lfr.models import ModelKind, read_model
 from lfr.skills.artifacts import PRIOR, VAE
-from lfr.transfer.actor import SkillActor
-from lfr.transfer.policy import IdentityMap, MappedPolicy
+from lfr.transfer.actor import OneAction, SkillActor
+from lfr.transfer.distribution import GAUSSIAN, distribution
+from lfr.transfer.policy import IdentityMap, MappedPolicy, StandardNormal
 
 KIND = "transferred_policy"
 # The networks that an actor consists of.
 PARTS: dict[str, ModelKind[Any]] = {
     kind.network.__name__: kind
-    for kind in (PRIOR, GENERATOR, VAE, ModelKind("identity_map", IdentityMap, ()))
+    for kind in (
+        PRIOR,
+        GENERATOR,
+        VAE,
+        ModelKind("identity_map", IdentityMap, ()),
+        ModelKind("standard_normal", StandardNormal, ("latent_dim",)),
+        ModelKind("one_action", OneAction, ("latent_dim",)),
+    )
 }
 
 
@@ -31,7 +37,10 @@ def save_policy(folder: Path, actor: SkillActor, about: dict[str, Any]) -> None:
         kind = type(network).__name__
         shapes[name] = {"class": kind, "shape": PARTS[kind].shape_of(network)}
         tensors |= {f"{name}.{key}": value for key, value in network.state_dict().items()}
-    save_model(folder, {"kind": KIND, "about": plain(about), "networks": shapes}, tensors)
+    config = {"kind": KIND, "about": plain(about), "networks": shapes}
+    if actor.distribution != GAUSSIAN:
+        config["distribution"] = actor.distribution.name
+    save_model(folder, config, tensors)
 
 
 def load_policy(folder: Path) -> tuple[SkillActor, dict[str, Any]]:
@@ -47,15 +56,20 @@ def load_policy(folder: Path) -> tuple[SkillActor, dict[str, Any]]:
         part = {k.removeprefix(prefix): v for k, v in tensors.items() if k.startswith(prefix)}
         network = PARTS[entry["class"]].build(entry["shape"], part, folder)
         networks[name] = network.requires_grad_(False)
-    actor = SkillActor(
+    return actor_of(networks, config.get("distribution", GAUSSIAN.name)), config["about"]
+
+
+def actor_of(networks: dict[str, Any], distributed: str = GAUSSIAN.name) -> SkillActor:
+    """The actor that consists of these networks, by the names that `save_policy` gives them."""
+    return SkillActor(
         policy=MappedPolicy(networks["pi"], networks["phi"]),
         prior=MappedPolicy(networks["p_a"], networks["phi_prior"]),
         decoder=networks["decoder"],
+        distribution=distribution(distributed),
     )
-    return actor, config["about"]
 
 
-def _networks(actor: SkillActor) -> dict[str, nn.Module]:
+def _networks(actor: SkillActor) -> dict[str, Any]:
     return {
         "pi": actor.policy.pi,
         "phi": actor.policy.phi,

@@ -4,7 +4,20 @@ from __future__ import annotations
 
 import copy
 
+import torch
 from torch import Tensor, nn
+
+
+class StandardNormal(nn.Module):
+    """A prior that knows nothing: N(0, I) over the latent space, for observations (B, D)."""
+
+    def __init__(self, latent_dim: int) -> None:
+        super().__init__()
+        self.latent_dim = latent_dim
+
+    def forward(self, observations: Tensor) -> tuple[Tensor, Tensor]:
+        nothing = torch.zeros(len(observations), self.latent_dim)
+        return nothing, nothing
 
 
 class IdentityMap(nn.Module):

@@ -10,7 +10,7 @@ from typing import Any
 from lfr.artifacts import plain
 from lfr.errors import DataError
 from lfr.transfer.loop import TransferLoop
-from lfr.transfer.methods import Start
+from lfr.transfer.methods.start import Start
 from lfr.transfer.model import save_policy
 from lfr.transfer.observer import Observer
 from lfr.transfer.params import TransferParams

@@ -3,10 +3,9 @@
 import pytest
 import torch
 
-from lfr.transfer.methods import Artifacts
 from lfr.transfer.params import TransferParams
 
-from .point import point_artifacts, point_params
+from .point import Models, point_models, point_params
 
 
 @pytest.fixture(autouse=True, scope="package")
@@ -19,8 +18,8 @@ def one_thread():
 
 
 @pytest.fixture
-def artifacts() -> Artifacts:
-    return point_artifacts()
+def artifacts() -> Models:
+    return point_models()
 
 
 @pytest.fixture

@@ -8,10 +8,9 @@ from pathlib import Path
 import torch
 
 from lfr.transfer.loop import TransferLoop
-from lfr.transfer.methods import method
 from lfr.transfer.observer import Observer
 
-from .point import PointSimulation, point_artifacts, point_params
+from .point import PointSimulation, lfr_start, point_models, point_params
 
 
 class Kill(Observer):
@@ -23,6 +22,6 @@ class Kill(Observer):
 if __name__ == "__main__":
     torch.set_num_threads(1)
     params = point_params()
-    start = method("lfr")(point_artifacts(), params)
+    start = lfr_start(point_models(), params)
     simulations = [PointSimulation() for _ in range(params.simulations)]
     TransferLoop(start, simulations, params, 0, Path(sys.argv[1]), Kill()).run()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import torch
@@ -10,7 +11,7 @@ import torch
 from lfr.mapping.generator import Generator
 from lfr.skills.prior import SkillPrior
 from lfr.skills.vae import SkillVAE
-from lfr.transfer.methods import Artifacts
+from lfr.transfer.methods.start import Start, start_from
 from lfr.transfer.params import TransferParams
 
 NAMES = ("x_pos", "goal_pos", "goal_to_x")
@@ -72,10 +73,22 @@ class DirectDecoder(SkillVAE):
         return torch.tanh(z)[:, None, :].expand(-1, self.horizon, -1)
 
 
-def point_artifacts() -> Artifacts:
+class Models(NamedTuple):
+    source_prior: SkillPrior
+    generator: Generator
+    target_vae: SkillVAE
+
+
+def lfr_start(models: Models, params: TransferParams) -> Start:
+    """Where Learn from Robot starts, from models that are in no folder."""
+    prior, phi, decoder = models
+    return start_from(prior, phi, decoder, params, prior)
+
+
+def point_models() -> Models:
     with torch.random.fork_rng():
         torch.manual_seed(0)
-        return Artifacts(
+        return Models(
             source_prior=SkillPrior(NAMES, latent_dim=2, hidden=16, layers=2),
             generator=Generator(latent_dim=2, hidden=16, layers=3),
             target_vae=DirectDecoder(horizon=3, action_dim=2, latent_dim=2, hidden=8),

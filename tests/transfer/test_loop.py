@@ -18,11 +18,11 @@ from lfr.transfer.methods import method
 from lfr.transfer.model import load_policy, save_policy
 from lfr.transfer.observer import Observer
 
-from .point import PointSimulation
+from .point import PointSimulation, lfr_start
 
 
 def _loop(artifacts, params, *, seed=0, work=None, observer=None, **options):
-    start = method("lfr")(artifacts, params)
+    start = lfr_start(artifacts, params)
     simulations = [PointSimulation(**options) for _ in range(params.simulations)]
     return TransferLoop(start, simulations, params, seed, work, observer)
 
@@ -179,9 +179,8 @@ def test_saved_policy_acts_identically(artifacts, params, tmp_path):
     # the decoder of the tests is no class that a model folder knows
     from lfr.skills.vae import SkillVAE
 
-    real = dataclasses.replace(
-        artifacts, target_vae=SkillVAE(horizon=3, action_dim=7, latent_dim=2, hidden=8)
-    )
+    vae = SkillVAE(horizon=3, action_dim=7, latent_dim=2, hidden=8)
+    real = artifacts._replace(target_vae=vae)
     loop = _loop(real, params)
     loop.run()
     save_policy(tmp_path / "model", loop.actor, {"method": "lfr", "params": params})
@@ -200,4 +199,4 @@ def test_bad_input_is_named(artifacts, params):
     with pytest.raises(UnknownNameError, match="unknown method 'lrf'; valid: lfr"):
         method("lrf")
     with pytest.raises(LfrError, match="found 1 simulations, expected 2"):
-        TransferLoop(method("lfr")(artifacts, params), [PointSimulation()], params, 0)
+        TransferLoop(lfr_start(artifacts, params), [PointSimulation()], params, 0)

@@ -5,9 +5,10 @@ import dataclasses
 import torch
 
 from lfr.transfer.learner import Learner
-from lfr.transfer.methods import method
 from lfr.transfer.policy import IdentityMap, frozen_prior, initial_policy
 from lfr.transfer.replay import Batch
+
+from .point import lfr_start
 
 
 def _batch(size=16):
@@ -36,7 +37,7 @@ def test_identity_map_leaves_the_prior(artifacts):
 
 
 def test_learning_leaves_prior_and_artifacts_as_they_were(artifacts, params):
-    start = method("lfr")(artifacts, params)
+    start = lfr_start(artifacts, params)
     observation = torch.randn(5, 3)
     before = start.actor.prior(observation)
     learner = Learner(start.actor.policy, start.normalizer, 3, 2, params, torch.Generator())
@@ -53,7 +54,7 @@ def test_learning_leaves_prior_and_artifacts_as_they_were(artifacts, params):
 
 def test_phi_learns_only_when_asked_to(artifacts, params):
     for train_phi in (True, False):
-        start = method("lfr")(artifacts, dataclasses.replace(params, train_phi=train_phi))
+        start = lfr_start(artifacts, dataclasses.replace(params, train_phi=train_phi))
         policy = start.actor.policy
         learner = Learner(policy, start.normalizer, 3, 2, params, torch.Generator())
         for _ in range(params.policy_every):

@@ -1,0 +1,88 @@
+"""How a policy's (mu, log_sigma) become a skill, and how far they are from the prior."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+import torch
+from torch import Tensor
+from torch.nn import functional as F
+
+from lfr.errors import UnknownNameError
+from lfr.skills.gaussian import kl_divergence
+
+
+class Distribution(Protocol):
+    """What an actor draws its skills from."""
+
+    @property
+    def name(self) -> str: ...
+
+    def skill(self, mu: Tensor, log_sigma: Tensor, noise: Tensor | None) -> Tensor:
+        """z (B, Z), reparameterised, for standard normal noise (B, Z); without it the mean's."""
+        ...
+
+    def divergence(
+        self, mu: Tensor, log_sigma: Tensor, noise: Tensor, prior_mu: Tensor,
+        prior_log_sigma: Tensor,
+    ) -> Tensor:  # fmt: skip
+        """KL to the prior, (B,), in nats; ``noise`` is what the skill was drawn with."""
+        ...
+
+
+@dataclass(frozen=True)
+class Gaussian:
+    """A skill is a point of the latent space, its prior a Gaussian (Eq. 8 and 9)."""
+
+    name: str = "gaussian"
+
+    def skill(self, mu: Tensor, log_sigma: Tensor, noise: Tensor | None) -> Tensor:
+        return mu if noise is None else mu + log_sigma.exp() * noise
+
+    def divergence(
+        self, mu: Tensor, log_sigma: Tensor, noise: Tensor, prior_mu: Tensor,
+        prior_log_sigma: Tensor,
+    ) -> Tensor:  # fmt: skip
+        return kl_divergence(mu, log_sigma, prior_mu, prior_log_sigma)
+
+
+@dataclass(frozen=True)
+class SquashedGaussian:
+    """a = tanh(u), u ~ N(mu, sigma), as in SAC; its prior is the uniform distribution on [-1, 1]^A.
+
+    The divergence is log pi(a|s) + A log 2 of the action drawn, so Eq. 9 is then SAC's entropy
+    term: a target divergence of A (1 + log 2) nats is SAC's target entropy of -A (Haarnoja et al.
+    2018, applications, table 1). The Gaussian prior that it is given says nothing and is not asked.
+    """
+
+    name: str = "squashed"
+
+    def skill(self, mu: Tensor, log_sigma: Tensor, noise: Tensor | None) -> Tensor:
+        return torch.tanh(mu if noise is None else mu + log_sigma.exp() * noise)
+
+    def divergence(
+        self, mu: Tensor, log_sigma: Tensor, noise: Tensor, prior_mu: Tensor,
+        prior_log_sigma: Tensor,
+    ) -> Tensor:  # fmt: skip
+        u = mu + log_sigma.exp() * noise
+        log_normal = -0.5 * noise.square() - log_sigma - 0.5 * math.log(2.0 * math.pi)
+        # log(1 - tanh(u)^2), without its rounding to log 0
+        log_slope = 2.0 * (math.log(2.0) - u - F.softplus(-2.0 * u))
+        return (log_normal - log_slope + math.log(2.0)).sum(-1)
+
+
+GAUSSIAN, SQUASHED = Gaussian(), SquashedGaussian()
+DISTRIBUTIONS: dict[str, Distribution] = {one.name: one for one in (GAUSSIAN, SQUASHED)}
+
+
+def distribution(name: str) -> Distribution:
+    """The distribution called ``name``.
+
+    Raises:
+        UnknownNameError: there is none.
+    """
+    if name not in DISTRIBUTIONS:
+        raise UnknownNameError("distribution", name, DISTRIBUTIONS)
+    return DISTRIBUTIONS[name]

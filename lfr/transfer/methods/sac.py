@@ -1,0 +1,31 @@
+"""Soft actor-critic from scratch on the target, without skills (Haarnoja et al. 2018).
+
+The same loop and learner as every method: z is one control step's action, and the prior that the
+policy is held near is the uniform distribution over actions, which makes of Eq. 9 SAC's entropy.
+Parameters that count skills then count control steps.
+"""
+
+from __future__ import annotations
+
+from lfr.transfer.actor import OneAction, SkillActor
+from lfr.transfer.distribution import SQUASHED
+from lfr.transfer.methods.start import Start, TrainedModels, new_policy
+from lfr.transfer.params import TransferParams
+from lfr.transfer.policy import IdentityMap, MappedPolicy, StandardNormal
+
+
+def sac(models: TrainedModels, params: TransferParams) -> Start:
+    """A new policy with networks as large as the critics'.
+
+    Like every method's, its inputs come in the units of the source's demonstrations: of the other
+    arm SAC learns nothing but these.
+    """
+    reference = models.source_prior()
+    actions = models.target_vae().action_dim
+    actor = SkillActor(
+        policy=new_policy(reference, actions, params.critic_hidden[0], len(params.critic_hidden)),
+        prior=MappedPolicy(StandardNormal(actions), IdentityMap()),
+        decoder=OneAction(actions),
+        distribution=SQUASHED,
+    )
+    return Start(actor, reference.normalizer, reference.layout_names)

@@ -1,0 +1,100 @@
+"""One run of a method, and the judgement of what it has learned, as jobs."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from lfr.artifacts import file_hash, fingerprint
+from lfr.evaluation.trials import Trial, run_trial, shards_of
+from lfr.scenarios import Transfer
+from lfr.transfer.actor import SkillActor
+from lfr.transfer.methods import start_of
+from lfr.transfer.methods.start import TrainedModels
+from lfr.transfer.model import load_policy, save_policy
+from lfr.transfer.params import TransferParams
+from lfr.transfer.train import train
+from pipeline.paper._stage import MODELS, VARIANTS, Judging
+
+
+@dataclass(frozen=True)
+class PaperRun:
+    """One method on one transfer by one reward and seed.
+
+    Attributes:
+        seed: of the models and of the run.
+        models: SHA-256 of all that it may start from, so that other models make another run.
+        work: folder of the stage's unfinished work.
+    """
+
+    transfer: Transfer
+    method: str
+    seed: int
+    params: TransferParams
+    models: str
+    work: str
+
+    @property
+    def folder(self) -> Path:
+        """What the run leaves: the policies ``initial`` and ``policy``, and its checkpoints."""
+        name = f"{self.params.reward}-seed-{self.seed}"
+        return Path(self.work) / f"{name}-{fingerprint(self.params, self.models)}"
+
+
+@dataclass(frozen=True)
+class RunFiles:
+    """A policy in the folder of a run, which is named after all that the policy depends on."""
+
+    policy: str
+
+    def load(self) -> SkillActor:
+        """Raises DataError where the folder holds no transferred policy, or a damaged one."""
+        return load_policy(Path(self.policy))[0]
+
+
+def paper_run(
+    transfer: Transfer, method: str, seed: int, params: TransferParams, work: Path
+) -> PaperRun:
+    """The run for these models as they are."""
+    folders = [root / transfer.name / f"seed-{seed}" for root in (MODELS, VARIANTS)]
+    digest = fingerprint(*(file_hash(folder) for folder in folders if folder.is_dir()))
+    return PaperRun(transfer, method, seed, params, digest, str(work))
+
+
+def judgements(run: PaperRun, judging: Judging, *, zero_shot: bool) -> list[tuple[str, Trial]]:
+    """The shards of all trials of a run, each with what it says: "zero_shot", or the judge."""
+    robot, task = run.transfer.target, run.transfer.task
+    final = RunFiles(str(run.folder / "policy"))
+    trials = {
+        "engine": Trial(final, robot, task, judging.episodes),
+        "robosuite": Trial(final, robot, task, judging.stock_episodes, "robosuite"),
+    }
+    if zero_shot:
+        initial = RunFiles(str(run.folder / "initial"))
+        trials["zero_shot"] = Trial(initial, robot, task, judging.episodes)
+    return [(name, shard) for name, trial in trials.items() for shard in shards_of(trial)]
+
+
+def run_part(part: PaperRun | Trial) -> Any:
+    """A run, or a shard of a trial."""
+    return learn(part) if isinstance(part, PaperRun) else run_trial(part)
+
+
+def learn(run: PaperRun) -> dict[str, Any]:
+    """Run it, or go on where it was killed; what `lfr.transfer.train.train` says of it."""
+    transfer, folder = run.transfer, run.folder
+    skills, mapping, variants = (
+        root / transfer.name / f"seed-{run.seed}" / part
+        for root, part in ((MODELS, "skills"), (MODELS, "mapping"), (VARIANTS, ""))
+    )
+    models = TrainedModels(transfer, skills, mapping, variants)
+    start = start_of(run.method, models, run.params, run.seed)
+    about = {"transfer": transfer.name, "method": run.method}
+    described = {"robot": transfer.target, "task": transfer.task, "seed": run.seed}
+    save_policy(folder / "initial", start.actor, {**described, **about})
+    return train(
+        start, transfer.target, transfer.task, dataclasses.replace(run.params), run.seed,
+        out=folder / "policy", work=folder / "checkpoints", about=about,
+    )  # fmt: skip

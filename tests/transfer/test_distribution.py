@@ -1,0 +1,59 @@
+"""Skills and divergences against torch.distributions."""
+
+import math
+
+import pytest
+import torch
+from torch.distributions import Normal, TransformedDistribution
+from torch.distributions.transforms import TanhTransform
+
+from lfr.errors import UnknownNameError
+from lfr.transfer.distribution import GAUSSIAN, SQUASHED, distribution
+
+
+@pytest.fixture
+def drawn():
+    g = torch.Generator().manual_seed(0)
+    mu, log_sigma, noise = (torch.randn(64, 7, generator=g) for _ in range(3))
+    return mu, 0.5 * log_sigma - 0.5, noise
+
+
+def test_the_squashed_divergence_is_sac_s_entropy_against_the_uniform(drawn):
+    mu, log_sigma, noise = drawn
+    nothing = torch.zeros_like(mu)
+    action = SQUASHED.skill(mu, log_sigma, noise)
+    squashed = TransformedDistribution(Normal(mu, log_sigma.exp()), TanhTransform(cache_size=1))
+    latent = mu + log_sigma.exp() * noise
+    torch.testing.assert_close(action, torch.tanh(latent))
+    uniform = -7 * math.log(2.0)
+    log_probability = squashed.base_dist.log_prob(latent) - TanhTransform().log_abs_det_jacobian(
+        latent, action
+    )
+    expected = log_probability.sum(-1) - uniform
+    found = SQUASHED.divergence(mu, log_sigma, noise, nothing, nothing)
+    torch.testing.assert_close(found, expected, rtol=1e-4, atol=1e-4)
+
+
+def test_the_squashed_divergence_stays_finite_where_the_action_is_at_its_bound():
+    mu = torch.full((1, 7), 30.0, requires_grad=True)
+    nothing = torch.zeros(1, 7)
+    found = SQUASHED.divergence(mu, nothing, nothing, nothing, nothing)
+    assert found.isfinite().all()
+    (slope,) = torch.autograd.grad(found.sum(), mu)
+    assert slope.isfinite().all()
+    assert (slope > 0).all()
+
+
+def test_the_gaussian_divergence_is_the_mean_of_log_ratios(drawn):
+    mu, log_sigma, noise = drawn
+    prior = torch.zeros_like(mu), torch.full_like(mu, 0.3)
+    found = GAUSSIAN.divergence(mu, log_sigma, noise, *prior)
+    p, q = Normal(mu, log_sigma.exp()), Normal(prior[0], prior[1].exp())
+    torch.testing.assert_close(found, torch.distributions.kl_divergence(p, q).sum(-1))
+    torch.testing.assert_close(GAUSSIAN.skill(mu, log_sigma, None), mu)
+
+
+def test_distributions_go_by_name():
+    assert distribution("squashed") is SQUASHED
+    with pytest.raises(UnknownNameError, match="gaussian"):
+        distribution("normal")
