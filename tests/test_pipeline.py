@@ -73,5 +73,6 @@ def test_every_stage_depends_on_all_the_code_it_runs(
 
 def test_every_stage_has_a_file_of_its_own(stages: dict[str, tuple[str, set[Path]]]) -> None:
     run = {module.removeprefix("pipeline.") for module, _ in stages.values()}
-    written = {file.stem for file in (ROOT / "pipeline").glob("[a-z]*.py")}
+    files = [file.relative_to(ROOT / "pipeline") for file in (ROOT / "pipeline").rglob("[a-z]*.py")]
+    written = {".".join(file.with_suffix("").parts) for file in files}
     assert run == written

@@ -14,8 +14,9 @@ from lfr.program import run_stage
 from lfr.scenarios import transfer as transfer_named
 from lfr.transfer.methods import method as method_named
 from pipeline._stage import unfinished_work, write_metrics
+from pipeline.paper._plan import learning
 from pipeline.paper._runs import PaperRun, judgements, paper_run, run_part
-from pipeline.paper._stage import POLICIES, judging, learning, paper_seeds
+from pipeline.paper._stage import POLICIES, judging, paper_seeds
 
 CODE = (
     "lfr.transfer", "lfr.ablations.other_task", "lfr.mapping.artifacts", "lfr.mapping.generator",
