@@ -43,14 +43,16 @@ class RewardRule:
         kind: "sparse": 1 for the skill in which the task succeeds, which is terminal. "dense":
             robosuite's shaped reward summed over the executed control steps, up to the horizon.
         dense_scale: factor on the dense reward.
+        until_success: end a dense episode at success too, where only its success is asked for.
     """
 
     kind: Literal["sparse", "dense"]
     dense_scale: float
+    until_success: bool = False
 
     @property
     def stop_on_success(self) -> bool:
-        return self.kind == "sparse"
+        return self.kind == "sparse" or self.until_success
 
     def reward(self, steps: Steps) -> float:
         if self.kind == "sparse":

@@ -199,7 +199,8 @@ class TransferLoop:
         """A point of the curve. The learning episodes step aside and go on afterwards."""
         suspended = [episode.suspend() for episode in self.episodes]
         seeds = evaluation_starts(self.seed, self.params.evaluation_episodes)
-        outcomes = evaluate(self.actor, [e.simulation for e in self.episodes], seeds, self.rule)
+        rule = dataclasses.replace(self.rule, until_success=True)
+        outcomes = evaluate(self.actor, [e.simulation for e in self.episodes], seeds, rule)
         for episode, state in zip(self.episodes, suspended, strict=True):
             episode.restore(*state)
         means = self.means.take()

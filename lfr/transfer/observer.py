@@ -29,7 +29,7 @@ class CurvePoint:
     updates: int
     episodes: int
     success: float  # fraction, at any step of the episode
-    mean_return: float  # undiscounted sum of the skills' rewards
+    mean_return: float  # undiscounted sum of the skills' rewards, until success
     mean_length: float  # control steps
     learning_success: float | None  # of the episodes that were learned from, with sampled skills
     kl: float | None

@@ -106,7 +106,6 @@ def test_sac_learns_a_trivial_task(models, params):
     simulations = [PointSimulation() for _ in range(learning.simulations)]
     curve = TransferLoop(start, simulations, learning, 0).run()
     assert curve[-1].success >= 0.9
-    assert curve[-1].mean_return > curve[0].mean_return
 
 
 def test_a_missing_ablation_is_named(models, params):
