@@ -10,6 +10,7 @@ from lfr.params import read_section
 
 PARAMS = Path("paper/params.yaml")
 MODELS = Path("models/paper")
+VARIANTS = Path("models/paper-variants")
 
 
 @dataclass(frozen=True)
@@ -18,13 +19,25 @@ class PaperSeeds:
 
     Attributes:
         tables: of the methods in Tables I and II.
+        questions: of all else; some of them, since their models are the tables' with a part
+            replaced. One mapping leads from each to the next, so they are two or more.
     """
 
     tables: tuple[int, ...]
+    questions: tuple[int, ...] = (0, 1, 2)
 
     def __post_init__(self) -> None:
-        if not self.tables or len(set(self.tables)) != len(self.tables):
-            raise ParameterError(f"tables must name each seed once, found {self.tables}")
+        for name, seeds in (("tables", self.tables), ("questions", self.questions)):
+            if not seeds or len(set(seeds)) != len(seeds):
+                raise ParameterError(f"{name} must name each seed once, found {seeds}")
+        if len(self.questions) < 2 or not set(self.questions) <= set(self.tables):
+            raise ParameterError(
+                f"questions must name two or more of tables' seeds, found {self.questions}"
+            )
+
+    def after(self, seed: int) -> int:
+        """The seed of ``questions`` that follows ``seed``, the first one after the last."""
+        return self.questions[(self.questions.index(seed) + 1) % len(self.questions)]
 
 
 def paper_seeds() -> PaperSeeds:
