@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from lfr.ablations.other_task import OTHER_TASK
 from lfr.artifacts import plain, save_model
 from lfr.mapping.artifacts import GENERATOR
 from lfr.models import ModelKind, read_model
@@ -21,6 +22,7 @@ PARTS: dict[str, ModelKind[Any]] = {
         PRIOR,
         GENERATOR,
         VAE,
+        OTHER_TASK,
         ModelKind("identity_map", IdentityMap, ()),
         ModelKind("standard_normal", StandardNormal, ("latent_dim",)),
         ModelKind("one_action", OneAction, ("latent_dim",)),

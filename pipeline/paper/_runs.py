@@ -55,11 +55,17 @@ class RunFiles:
 
 
 def paper_run(
-    transfer: Transfer, method: str, seed: int, params: TransferParams, work: Path
+    transfer: Transfer,
+    method: str,
+    seed: int,
+    params: TransferParams,
+    work: Path,
+    *,
+    variants: bool,
 ) -> PaperRun:
-    """The run for these models as they are."""
-    folders = [root / transfer.name / f"seed-{seed}" for root in (MODELS, VARIANTS)]
-    digest = fingerprint(*(file_hash(folder) for folder in folders if folder.is_dir()))
+    """The run for these models as they are; ``variants``: it may start from one of those too."""
+    roots = (MODELS, VARIANTS) if variants else (MODELS,)
+    digest = fingerprint(*(file_hash(root / transfer.name / f"seed-{seed}") for root in roots))
     return PaperRun(transfer, method, seed, params, digest, str(work))
 
 

@@ -20,19 +20,25 @@ class PaperSeeds:
 
     Attributes:
         tables: of the methods in Tables I and II.
-        questions: of all others.
+        questions: of all else; some of them, since their models are the tables' with a part
+            replaced. One mapping leads from each to the next, so they are two or more.
     """
 
     tables: tuple[int, ...]
     questions: tuple[int, ...]
 
     def __post_init__(self) -> None:
-        for name in ("tables", "questions"):
-            seeds = getattr(self, name)
+        for name, seeds in (("tables", self.tables), ("questions", self.questions)):
             if not seeds or len(set(seeds)) != len(seeds):
                 raise ParameterError(f"{name} must name each seed once, found {seeds}")
-        if not set(self.questions) <= set(self.tables):
-            raise ParameterError(f"questions must be among tables, found {self.questions}")
+        if len(self.questions) < 2 or not set(self.questions) <= set(self.tables):
+            raise ParameterError(
+                f"questions must name two or more of tables' seeds, found {self.questions}"
+            )
+
+    def after(self, seed: int) -> int:
+        """The seed of ``questions`` that follows ``seed``, the first one after the last."""
+        return self.questions[(self.questions.index(seed) + 1) % len(self.questions)]
 
 
 @dataclass(frozen=True)

@@ -34,8 +34,9 @@ def main(transfer: str, method: str) -> None:
     name = f"{transfer}-{method}"
     # A run names its models and parameters itself, so another seed runs its own jobs alone.
     work = unfinished_work("paper-learn", name, code=CODE)
+    variants = plan.group(method) != "tables"
     runs = [
-        paper_run(chosen, method, seed, plan.params_of(method, reward), work)
+        paper_run(chosen, method, seed, plan.params_of(method, reward), work, variants=variants)
         for seed in plan.seeds_of(method, paper_seeds())
         for reward in plan.rewards_of(method)
     ]

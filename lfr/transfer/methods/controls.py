@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from lfr.ablations.other_task import load_other_task_prior
+from lfr.ablations.other_task import load_other_task
 from lfr.mapping.artifacts import load_generator
 from lfr.skills.artifacts import load_prior, load_vae
 from lfr.transfer.methods.start import Start, TrainedModels, start_from
@@ -31,6 +31,6 @@ def shared_vae(models: TrainedModels, params: TransferParams) -> Start:
 
 def wrong_task(models: TrainedModels, params: TransferParams) -> Start:
     """The source's prior of another task, mapped: what is it worth to know the right one?"""
-    prior = load_other_task_prior(models.variant("wrong_task") / "prior")
+    prior = load_other_task(models.variant("wrong_task") / "prior")
     reference = models.source_prior()
     return start_from(prior, models.generator(), models.target_vae(), params, reference)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from lfr.ablations.other_task import load_other_task_prior
+from lfr.ablations.other_task import load_other_task
 from lfr.transfer.methods.start import Start, TrainedModels, new_policy, start_from
 from lfr.transfer.params import TransferParams
 from lfr.transfer.policy import IdentityMap, StandardNormal
@@ -15,7 +15,7 @@ from lfr.transfer.policy import IdentityMap, StandardNormal
 
 def spirl(models: TrainedModels, params: TransferParams) -> Start:
     """From the target's own prior, which has seen its common tasks and no name of any."""
-    prior = load_other_task_prior(models.variant("spirl") / "prior")
+    prior = load_other_task(models.variant("any_task") / "prior")
     return start_from(
         prior, IdentityMap(), models.target_vae(), params, models.source_prior()
     )  # fmt: skip

@@ -1,0 +1,60 @@
+"""One arm as both sides of a mapping: what of the problem is the latents' arbitrary rotation alone?
+
+X and Y are the latent spaces of two skill VAEs of the *source* arm, from two whole repetitions. No
+embodiment differs, so what a mapping between them loses is not the arms' doing.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import torch
+
+from lfr.mapping.models import MappingJob, Material
+from lfr.mapping.training import CommonTask
+from lfr.skills.artifacts import load_prior, load_vae
+from lfr.skills.demonstrations import balanced, read_visible
+from lfr.skills.prior import SkillPrior
+from lfr.skills.rows import thinned
+from lfr.skills.vae import SkillVAE
+
+
+def material_between(
+    job: MappingJob, other: Path, seed: int
+) -> tuple[Material, tuple[SkillVAE, SkillVAE]]:
+    """What `lfr.mapping.models.read_material` gives, the source arm being both arms.
+
+    Args:
+        job: names the first repetition; its split of the demonstrations is used. The other's models
+            may have seen what is held out here.
+        other: the skill models of the other repetition.
+    """
+    transfer, folders = job.transfer, (Path(job.skills) / "source", other / "source")
+    vaes = load_vae(folders[0] / "vae"), load_vae(folders[1] / "vae")
+    known = read_visible(
+        job.scenario, transfer.source, "source", (*transfer.common, transfer.task),
+        horizon=vaes[0].horizon, held_out=job.held_out, seed=job.seed, folder=Path(job.datasets),
+        arm=job.arms.get(transfer.source),
+    )  # fmt: skip
+
+    def common(states: dict[str, torch.Tensor]) -> dict[str, CommonTask]:
+        def prior(folder: Path, task: str) -> SkillPrior:
+            return load_prior(folder / f"prior-{task}", known[task].names)
+
+        x, y = folders
+        return {
+            task: CommonTask(prior(x, task), prior(y, task), states[task])
+            for task in transfer.common
+        }
+
+    windows = {task: thinned(known[task].training.actions) for task in transfer.common}
+    new = known[transfer.task]
+    material = Material(
+        training=common({task: known[task].training_states for task in transfer.common}),
+        held_out=common({task: known[task].held_out_states for task in transfer.common}),
+        windows=balanced(windows, seed) if job.params.posterior_share else None,
+        new=(load_prior(folders[0] / f"prior-{transfer.task}", new.names), new.held_out_states),
+        datasets={known[task].dataset: known[task].digest for task in transfer.common},
+        action_names=new.actions.names,
+    )
+    return material, vaes
