@@ -13,7 +13,7 @@ from lfr.transfer.methods import method as method_named
 from pipeline._stage import SeedParams, unfinished_work, write_metrics
 
 CODE = (
-    "lfr.transfer", "lfr.mapping", "lfr.skills", "lfr.models", "lfr.sim", "lfr.seeds",
+    "lfr.transfer", "lfr.ablations.other_task", "lfr.mapping", "lfr.skills", "lfr.models", "lfr.sim", "lfr.seeds",
     "lfr.robots", "lfr.tasks",
     "lfr.evaluation.learned", "lfr.evaluation.rollouts", "lfr.evaluation.trials",
 )  # fmt: skip

@@ -27,12 +27,14 @@ class Learning:
 
     Attributes:
         methods, rewards: by group.
+        ablated: the transfers of Table III.
         transfer: parameters of `TransferParams` that differ from the main job's.
         of: method -> those that differ for it alone.
     """
 
     methods: ByGroup
     rewards: ByGroup
+    ablated: tuple[str, ...] = ()
     transfer: dict[str, Any] = field(default_factory=dict)
     of: dict[str, dict[str, Any]] = field(default_factory=dict)
 
