@@ -16,7 +16,7 @@ from lfr.transfer.observer import Observer
 from lfr.transfer.params import TransferParams
 
 
-class _Report(Observer):
+class Reported(Observer):
     """Forwards to another observer and moves the job's progress bar."""
 
     def __init__(self, observer: Observer) -> None:
@@ -75,7 +75,7 @@ def train(
             found=found,
             expected=expected,
         )
-    loop = TransferLoop(start, simulations, params, seed, work, _Report(observer or Observer()))
+    loop = TransferLoop(start, simulations, params, seed, work, Reported(observer or Observer()))
     curve = [dataclasses.asdict(point) for point in loop.run()]
     described = {"robot": robot, "task": task, "seed": seed, "params": plain(params)}
     save_policy(out, loop.actor, described | (about or {}))
