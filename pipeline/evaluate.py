@@ -13,8 +13,8 @@ from lfr.transfer.methods import method as method_named
 from pipeline._stage import SeedParams, unfinished_work, write_metrics
 
 CODE = (
-    "lfr.transfer", "lfr.ablations.other_task", "lfr.mapping", "lfr.skills", "lfr.models", "lfr.sim", "lfr.seeds",
-    "lfr.robots", "lfr.tasks",
+    "lfr.transfer", "lfr.ablations.other_task", "lfr.mapping", "lfr.skills", "lfr.models",
+    "lfr.sim", "lfr.seeds", "lfr.robots", "lfr.tasks",
     "lfr.evaluation.learned", "lfr.evaluation.rollouts", "lfr.evaluation.trials",
 )  # fmt: skip
 
