@@ -19,8 +19,8 @@ from pipeline._stage import SeedParams, unfinished_work, write_metrics
 
 CODE = (
     "lfr.transfer", "lfr.ablations.other_task", "lfr.mapping.artifacts", "lfr.mapping.generator",
-    "lfr.models", "lfr.skills.artifacts", "lfr.skills.gaussian", "lfr.skills.prior", "lfr.skills.vae",
-    "lfr.sim", "lfr.seeds", "lfr.robots", "lfr.tasks",
+    "lfr.models", "lfr.skills.artifacts", "lfr.skills.gaussian", "lfr.skills.prior",
+    "lfr.skills.vae", "lfr.sim", "lfr.seeds", "lfr.robots", "lfr.tasks",
 )  # fmt: skip
 
 
