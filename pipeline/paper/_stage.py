@@ -30,3 +30,23 @@ class PaperSeeds:
 def paper_seeds() -> PaperSeeds:
     """The section ``seeds`` of paper/params.yaml."""
     return read_section(PaperSeeds, "seeds", PARAMS)
+
+
+@dataclass(frozen=True)
+class Judging:
+    """Section ``judging``: how many held-out starts a policy of the evidence is judged on.
+
+    Attributes:
+        episodes: by the engine.
+        stock_episodes: by stock robosuite, which takes many times as long.
+    """
+
+    episodes: int
+    stock_episodes: int
+
+    def __post_init__(self) -> None:
+        if self.episodes < 1 or self.stock_episodes < 1:
+            raise ParameterError(
+                f"episodes and stock_episodes must be at least 1, "
+                f"found {self.episodes} and {self.stock_episodes}"
+            )

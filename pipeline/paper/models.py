@@ -1,7 +1,6 @@
 """Stage models: skill models and mapping of one transfer, once for every seed."""
 
 import sys
-from pathlib import Path
 from typing import Any
 
 from lfr.jobs import run_jobs
