@@ -12,6 +12,7 @@ PARAMS = Path("paper/params.yaml")
 MODELS = Path("models/paper")
 VARIANTS = Path("models/paper-variants")
 POLICIES = Path("models/paper-policies")
+IMITATORS = Path("models/paper-imitators")
 
 
 @dataclass(frozen=True)
@@ -52,6 +53,13 @@ class Judging:
 
     episodes: int
     stock_episodes: int
+
+    def __post_init__(self) -> None:
+        if self.episodes < 1 or self.stock_episodes < 1:
+            raise ParameterError(
+                f"episodes and stock_episodes must be at least 1, "
+                f"found {self.episodes} and {self.stock_episodes}"
+            )
 
 
 def paper_seeds() -> PaperSeeds:

@@ -3,14 +3,12 @@
 import sys
 from typing import Any
 
-from lfr.evaluation.params import EvaluateParams
 from lfr.evaluation.questions import model_trials, variant_trials
 from lfr.evaluation.trials import success_rates
-from lfr.params import read_section
 from lfr.program import run_stage
 from lfr.scenarios import transfer as transfer_named
 from pipeline._stage import unfinished_work, write_metrics
-from pipeline.paper._stage import MODELS, VARIANTS, paper_seeds
+from pipeline.paper._stage import MODELS, VARIANTS, judging, paper_seeds
 
 CODE = (
     "lfr.ablations.other_task", "lfr.mapping", "lfr.skills", "lfr.models", "lfr.sim", "lfr.seeds",
@@ -23,7 +21,7 @@ CODE = (
 def main(transfer: str) -> None:
     """Judge every link of a transfer, once for every seed that it has models of."""
     chosen = transfer_named(transfer)
-    episodes = read_section(EvaluateParams, "evaluate").episodes
+    episodes = judging().episodes
     seeds = paper_seeds()
     models, variants = MODELS / transfer, VARIANTS / transfer
 

@@ -1,0 +1,1 @@
+"""BC+RNN, the paper's imitation baseline: a recurrent policy that clones demonstrations."""
