@@ -88,11 +88,10 @@ def bootstrap(
     be a point. There the Wilson interval of all episodes together takes its place.
     """
     value = float(statistic(np.concatenate([task.rates for task in tasks])))
-    if value in (0.0, 1.0):
-        alike = sum(sum(task.successes) for task in tasks)
-        episodes = sum(sum(task.episodes) for task in tasks)
-        if alike in (0, episodes):
-            return Interval(value, *wilson_interval(alike, episodes, confidence))
+    successes = sum(sum(task.successes) for task in tasks)
+    episodes = sum(sum(task.episodes) for task in tasks)
+    if successes in (0, episodes):
+        return Interval(value, *wilson_interval(successes, episodes, confidence))
     generator = np.random.default_rng(GENERATOR_SEED)
     drawn = [_resampled(task, resamples, generator) for task in tasks]
     return _between_percentiles(value, statistic(np.concatenate(drawn, axis=-1)), confidence)

@@ -59,7 +59,7 @@ def curve_figure(path: Path, figure: CurveFigure, evidence: Evidence) -> None:
     with rc_context(STYLE):
         drawn = Figure(figsize=(3.6 * min(across, 2) + 1.3 * max(across - 2, 0) + 0.4,
                                 2.5 * down + 0.8), layout="constrained")  # fmt: skip
-        panels = drawn.subplots(down, across, sharey=True, sharex="col", squeeze=False)
+        panels = drawn.subplots(down, across, sharey=True, squeeze=False)
         for row, reward in enumerate(rewards):
             for column, transfer in enumerate(figure.transfers):
                 panel = panels[row][column]

@@ -74,7 +74,6 @@ class Links:
     """A transfer's zero-shot links, each with a success count per seed, by rising seed."""
 
     transfer: str
-    seeds: dict[str, tuple[int, ...]]
     links: dict[str, Seeds]
 
 
@@ -169,19 +168,13 @@ def _seed_run(about: dict[str, Any], run: dict[str, Any], learned: dict[str, Any
 
 
 def _links(content: dict[str, Any]) -> Links:
-    links = {
-        link: sorted(one["runs"], key=lambda run: run["seed"])
-        for link, one in content["links"].items()
-        if one["runs"]
-    }
-    return Links(
-        content["transfer"],
-        {link: tuple(run["seed"] for run in runs) for link, runs in links.items()},
-        {
-            link: Seeds(*(tuple(run[name] for run in runs) for name in ("successes", "episodes")))
-            for link, runs in ((name, links[name]) for name in in_order(links, LINKS))
-        },
-    )
+    links = {}
+    for name in in_order(content["links"], LINKS):
+        runs = sorted(content["links"][name]["runs"], key=lambda run: run["seed"])
+        if runs:
+            found, tried = (tuple(run[key] for run in runs) for key in ("successes", "episodes"))
+            links[name] = Seeds(found, tried)
+    return Links(content["transfer"], links)
 
 
 def _stages(paper: Path) -> dict[str, dict[str, StageRun]]:

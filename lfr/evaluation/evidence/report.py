@@ -42,7 +42,7 @@ The goal is for the mean over seeds of the final held-out rates. "Reached in" is
 policy is there before learning, else the first running evaluation whose mean over seeds is. LfR is
 above every other where the lower end of its interval is above the upper end of each other
 method's, and of the links without learning {" and ".join(f"`{link}`" for link in NO_LEARNING)};
-its ablations and the oracles are not compared.
+its ablations and the oracles are not compared; "so far" where a comparison is still missing.
 
 {targets_table(evidence)}
 ## Who does as well as LfR

@@ -132,8 +132,9 @@ def _reached(evidence: Evidence, transfer: str, reward: str, target: Target) -> 
     steps = steps_to_goal(evidence.of(transfer, OURS, reward), target.success)
     in_time = there and in_budget(ours, steps, target)
     rivals = "; ".join(f"{name} {percent_interval(one)}" for name, one in place.in_the_way.items())
-    compared = place.below or place.in_the_way
-    above = DASH if not compared else "no" if place.in_the_way else "yes"
+    known = {**place.in_the_way, **place.below}
+    whole = known.keys() >= set(expected_rivals())
+    above = "no" if place.in_the_way else "yes" if whole else "so far" if known else DASH
     return [percent(ours.mean.value), percent_interval(ours.iqm), len(ours.seeds), _yes(there),
             target.env_steps, "never" if steps is None else f"{steps:.0f}", _yes(in_time),
             above, rivals or DASH]  # fmt: skip

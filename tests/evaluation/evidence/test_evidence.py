@@ -161,6 +161,8 @@ def test_ablations_and_oracles_do_not_stand_in_the_way(tmp_path: Path) -> None:
     zero_shot(tmp_path, CAN, {"oracle": [100, 100], "shared_vae": [10, 12]})
     place = standing(read_evidence(tmp_path), CAN, "sparse")
     assert place is not None
+    above = cells(targets_table(read_evidence(tmp_path)), "Pick-Place, Sawyer")[0][11]
+    assert above == "so far"  # BC+RNN, AP and others are not there
     assert set(place.below) == {"SAC", "shared VAE (no learning)"}
     assert not place.in_the_way
 
