@@ -1,0 +1,86 @@
+"""What the numbers say, as sentences that are computed: they cannot outlive the numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from statistics import median
+
+from lfr.evaluation.evidence.aggregate import Interval
+from lfr.evaluation.evidence.names import method_label
+from lfr.evaluation.evidence.published import PUBLISHED, TASKS
+from lfr.evaluation.evidence.records import Evidence
+from lfr.evaluation.evidence.summary import OURS, summarise
+from lfr.evaluation.evidence.tables import percent_interval
+from lfr.evaluation.evidence.targets import Standing, expected_rivals, standing
+from lfr.evaluation.tables import markdown
+
+
+def standings(evidence: Evidence) -> str:
+    """One item per transfer and reward: who does as well as LfR, who worse, who better."""
+    items = []
+    for transfer, task in TASKS.items():
+        for reward in evidence.rewards():
+            place = standing(evidence, transfer, reward)
+            if place:
+                seeds = len(evidence.of(transfer, OURS, reward))
+                items.append(f"- **{task}, {reward}**: {_sentence(place, seeds)}")
+                items[-1] += _unmeasured(place)
+    return "\n".join(items) or "LfR has no run yet."
+
+
+def _sentence(place: Standing, seeds: int) -> str:
+    parts = [f"LfR {percent_interval(place.ours)} over {seeds} seed{'s' * (seeds != 1)}."]
+    if place.level:
+        parts.append(f"As good, by overlapping intervals: {_named(place.level)}.")
+    if place.above:
+        parts.append(f"Better: {_named(place.above)}.")
+    if place.below:
+        parts.append(f"Worse: {_named(place.below)}.")
+    if not (place.level or place.above or place.below):
+        parts.append("Nothing to compare it with yet.")
+    elif not place.in_the_way:
+        parts.append("Its lower end is above every other's upper end.")
+    return " ".join(parts)
+
+
+def _unmeasured(place: Standing) -> str:
+    known = {**place.in_the_way, **place.below}
+    missing = [name for name in expected_rivals() if name not in known]
+    return f" Not measured yet: {', '.join(missing)}." if missing else ""
+
+
+def _named(others: Mapping[str, Interval]) -> str:
+    return ", ".join(f"{name} {percent_interval(one)}" for name, one in others.items())
+
+
+def disagreements(evidence: Evidence) -> str:
+    """The paper's figures that lie outside the interval of our mean, largest difference first."""
+    found = []
+    for (transfer, method), cell in PUBLISHED.items():
+        for reward in evidence.rewards():
+            ours = summarise(evidence, transfer, method, reward)
+            rate = cell.rate / 100
+            if ours and not ours.mean.low <= rate <= ours.mean.high:
+                shown = reward if ours.env_steps is not None else "-"
+                points = 100 * (ours.mean.value - rate)
+                row = [TASKS[transfer], method_label(method), shown, f"{cell.rate:.1f}",
+                       percent_interval(ours.mean), f"{points:+.1f}"]  # fmt: skip
+                if (points, row) not in found:  # one without a reward: once
+                    found.append((points, row))
+    if not found:
+        return "None of the figures measured so far.\n"
+    rows = [row for _, row in sorted(found, key=lambda one: -abs(one[0]))]
+    return markdown(["task", "method", "reward", "paper", "here, mean", "points"], rows)
+
+
+def time_of_runs(evidence: Evidence) -> str:
+    """A sentence: how long learning takes, run by run, by method."""
+    parts = []
+    for method in evidence.methods():
+        seconds = [run.seconds for run in evidence.runs if run.method == method and run.seconds]
+        if seconds:
+            label = method_label(method)
+            parts.append(f"{label} {median(seconds):.0f} (at most {max(seconds):.0f})")
+    if not parts:
+        return "No run has been timed yet."
+    return f"Seconds of a run's learning, median over all runs: {', '.join(parts)}."

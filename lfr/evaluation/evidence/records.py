@@ -1,0 +1,194 @@
+"""results/paper, read: one flat list of runs, the zero-shot links, and how the stages ran.
+
+The evidence comes in over hours. What is not there yet is simply missing here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from lfr.artifacts import read_json
+from lfr.errors import DataError
+from lfr.evaluation.evidence.aggregate import Seeds
+from lfr.evaluation.evidence.curves import LEVELS, Curve, read_curves
+from lfr.evaluation.evidence.names import LINKS, METHODS, REWARDS, in_order
+from lfr.evaluation.records import RESULTS, StageRun
+from lfr.evaluation.statistics import success_of
+
+PAPER = RESULTS / "paper"
+STAGES = ("models", "variants", "zero_shot", "imitate", "learn")  # in the order they are run
+STOCK = "robosuite"
+
+
+@dataclass(frozen=True)
+class SeedRun:
+    """What one method reached on one transfer with one seed, under one reward.
+
+    Attributes:
+        reward: None for a method that has none.
+        successes, episodes: of the final policy on held-out starts, by the first judge.
+        zero_shot: rate on the same starts before any learning; None where it has no such state.
+        stock: rate of the final policy in stock robosuite; None where it was not judged there.
+        env_steps: of learning; None for a method that takes none.
+        seconds: of learning.
+        curve: of the running evaluations.
+    """
+
+    transfer: str
+    method: str
+    reward: str | None
+    seed: int
+    successes: int
+    episodes: int
+    zero_shot: float | None = None
+    stock: float | None = None
+    env_steps: int | None = None
+    seconds: float | None = None
+    curve: Curve | None = None
+
+    @property
+    def success(self) -> float:
+        return self.successes / self.episodes
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Wilson's, of 95 %: of the episodes, not of the training."""
+        found = success_of(self.successes, self.episodes)
+        return found.low, found.high
+
+    @property
+    def auc(self) -> float | None:
+        return self.curve.area if self.curve else None
+
+    @property
+    def steps_to(self) -> tuple[int | None, ...]:
+        """Environment steps to each of `LEVELS`; empty without a curve."""
+        return tuple(self.curve.first_at(level) for level in LEVELS) if self.curve else ()
+
+
+@dataclass(frozen=True)
+class Links:
+    """A transfer's zero-shot links, each with a success count per seed, by rising seed."""
+
+    transfer: str
+    links: dict[str, Seeds]
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """All that results/paper holds.
+
+    Attributes:
+        links: transfer -> links.
+        stages: stage -> key -> its last run.
+    """
+
+    runs: tuple[SeedRun, ...] = ()
+    links: dict[str, Links] = field(default_factory=dict)
+    stages: dict[str, dict[str, StageRun]] = field(default_factory=dict)
+
+    def of(self, transfer: str, method: str, reward: str | None) -> list[SeedRun]:
+        """A method's runs under a reward, by rising seed; a method without one fits any."""
+        return [
+            run for run in self.runs
+            if (run.transfer, run.method) == (transfer, method) and run.reward in (reward, None)
+        ]  # fmt: skip
+
+    def methods(self, transfers: Iterable[str] | None = None) -> list[str]:
+        """Methods with a run on any of the transfers (of all of them), in the tables' order."""
+        wanted = None if transfers is None else set(transfers)
+        found = (run.method for run in self.runs if wanted is None or run.transfer in wanted)
+        return in_order(found, METHODS)
+
+    def rewards(self) -> list[str]:
+        """Rewards that a run was trained on; the sparse one where none was yet."""
+        found = in_order((run.reward for run in self.runs if run.reward), REWARDS)
+        return found or list(REWARDS[:1])
+
+
+def counts(runs: Sequence[SeedRun]) -> Seeds:
+    """What the runs reached, for the statistics.
+
+    Raises:
+        ValueError: there is no run.
+    """
+    return Seeds(tuple(run.successes for run in runs), tuple(run.episodes for run in runs))
+
+
+def read_evidence(paper: Path = PAPER) -> Evidence:
+    """What the stages have left under ``paper`` so far.
+
+    Raises:
+        DataError: a file is cut off, is not what its stage writes, or counts one seed twice.
+    """
+    runs = [*_imitated(paper / "imitate"), *_learned(paper / "learn")]
+    keys = [(run.transfer, run.method, run.reward or "", run.seed) for run in runs]
+    twice = sorted({key for key in keys if keys.count(key) > 1})
+    if twice:
+        raise DataError("a seed is there twice", file=paper, found=twice[0], expected="one run")
+    ordered = tuple(run for _, run in sorted(zip(keys, runs, strict=True), key=lambda one: one[0]))
+    links = [_links(content) for _, content in _files(paper / "zero_shot")]
+    return Evidence(ordered, {one.transfer: one for one in links}, _stages(paper))
+
+
+def _learned(folder: Path) -> list[SeedRun]:
+    runs = []
+    for file, content in _files(folder):
+        curves = read_curves(file.with_suffix(".csv"))
+        for run in content["runs"]:
+            curve = curves.get((run["reward"], run["seed"]))
+            if curve is None:
+                raise DataError("no curve of a run", file=file.with_suffix(".csv"),
+                                expected=f"reward {run['reward']}, seed {run['seed']}")  # fmt: skip
+            before = run.get("zero_shot")
+            learned = {"zero_shot": before["rate"] if before else None, "curve": curve,
+                       "env_steps": run["env_steps"], "reward": run["reward"]}  # fmt: skip
+            runs.append(_seed_run(content, run, learned))
+    return runs
+
+
+def _imitated(folder: Path) -> list[SeedRun]:
+    return [
+        _seed_run(content, run, {"reward": None})
+        for _, content in _files(folder)
+        for run in content["runs"]
+    ]
+
+
+def _seed_run(about: dict[str, Any], run: dict[str, Any], learned: dict[str, Any]) -> SeedRun:
+    judged, stock = run["success"][about["judge"]], run["success"].get(STOCK)
+    return SeedRun(
+        transfer=about["transfer"], method=about["method"], seed=run["seed"],
+        successes=judged["successes"], episodes=judged["episodes"],
+        stock=stock["rate"] if stock else None, seconds=run.get("seconds"), **learned,
+    )  # fmt: skip
+
+
+def _links(content: dict[str, Any]) -> Links:
+    links = {}
+    for name in in_order(content["links"], LINKS):
+        runs = sorted(content["links"][name]["runs"], key=lambda run: run["seed"])
+        if runs:
+            found, tried = (tuple(run[key] for run in runs) for key in ("successes", "episodes"))
+            links[name] = Seeds(found, tried)
+    return Links(content["transfer"], links)
+
+
+def _stages(paper: Path) -> dict[str, dict[str, StageRun]]:
+    return {
+        stage: {
+            file.stem: StageRun(
+                made["seconds"], made.get("peak_memory"), made.get("provenance") or {}
+            )
+            for file, made in files
+        }
+        for stage, files in ((stage, _files(paper / stage)) for stage in STAGES)
+        if files
+    }
+
+
+def _files(folder: Path) -> list[tuple[Path, dict[str, Any]]]:
+    return [(file, read_json(file)) for file in sorted(folder.glob("*.json"))]

@@ -1,0 +1,156 @@
+"""results/paper/report.md: everything in one place, with the protocol and what was run."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+from lfr.evaluation.evidence.claims import disagreements, standings, time_of_runs
+from lfr.evaluation.evidence.curves import LEVELS
+from lfr.evaluation.evidence.figures import FIGURES
+from lfr.evaluation.evidence.published import TABLES, TASKS
+from lfr.evaluation.evidence.records import STAGES, Evidence
+from lfr.evaluation.evidence.summary import summaries
+from lfr.evaluation.evidence.tables import (
+    methods_table,
+    overall_table,
+    paper_table,
+    questions_table,
+)
+from lfr.evaluation.evidence.targets import NO_LEARNING, targets_table
+from lfr.evaluation.tables import stage_table
+
+EXTRA = ("zero_shot",)  # stages that the paper's tables can do without
+TITLES = {
+    "figure3": "Figure 3: scenario 1, the paper's methods",
+    "figure4": "Figure 4: scenario 2, the paper's methods",
+    "ablations": "Ablations while they learn",
+    "questions": "Other priors and a shared VAE while they learn",
+}
+
+
+def report(evidence: Evidence) -> str:
+    """Markdown; what is not measured yet is a dash."""
+    levels = ", ".join(f"{100 * level:.0f}" for level in LEVELS)
+    return f"""# The evidence
+
+{_protocol(evidence)}
+
+## What was to be reached
+
+The goal is for the mean over seeds of the final held-out rates. "Reached in" is 0 where the
+policy is there before learning, else the first running evaluation whose mean over seeds is. LfR is
+above every other where the lower end of its interval is above the upper end of each other
+method's, and of the links without learning {" and ".join(f"`{link}`" for link in NO_LEARNING)};
+its ablations and the oracles are not compared; "so far" where a comparison is still missing.
+
+{targets_table(evidence)}
+## Who does as well as LfR
+
+Interquartile means with their intervals; as good means that the intervals overlap.
+
+{standings(evidence)}
+
+{_tables(evidence)}
+{_figures()}
+## Every method
+
+Area: under the curve of the running evaluations, over its length. Steps to {levels} %: the first
+running evaluation that is there, median over seeds. P(LfR better): the probability that a seed of
+LfR is above one of the method, ties counting half. Zero-shot: before any learning. Each seed's
+final rate is in the order of the seeds.
+
+{_methods(evidence)}
+### Over all tasks
+
+Over the tasks that the method and LfR both have runs of, stratified by task.
+
+{overall_table(evidence)}
+## Questions that need no learning
+
+Zero-shot success on the new task: mean over seeds with the Wilson interval of all episodes
+together, and each seed.
+
+{questions_table(evidence)}
+## Where this disagrees with the paper
+
+The paper's figures outside the interval of our mean.
+
+{disagreements(evidence)}
+## What was run on what
+
+{_stages(evidence)}
+"""
+
+
+def _protocol(evidence: Evidence) -> str:
+    tried = sorted({run.episodes for run in evidence.runs})
+    episodes = " or ".join(map(str, tried)) or "no"
+    seeds = sorted({run.seed for run in evidence.runs})
+    return f"""A seed is a whole repetition: the split of the demonstrations, skill models, mapping,
+and learning. Every final policy is judged at a fixed number of environment steps on the same
+{episodes} held-out starts, which nothing was trained on, by this project's engine; the column
+robosuite is stock robosuite's word on the same starts. Success is robosuite's own check, at any
+step within the horizon. All environment steps count, the warm-up included. Seeds so far:
+{", ".join(map(str, seeds)) or "none"}.
+
+Intervals are of 95 %. The interquartile mean (IQM) leaves out the lowest and the highest quarter
+of the seeds; its interval is a stratified bootstrap over seeds, and over the episodes of each
+(Agarwal et al. 2021; `lfr.evaluation.evidence.aggregate`). Every number is computed from the files
+beside this one, by `python -m pipeline.paper.report`. ![Final success](headline.svg)"""
+
+
+def _tables(evidence: Evidence) -> str:
+    return "\n".join(_demoted(paper_table(table, evidence)) for table in TABLES.values())
+
+
+def _figures() -> str:
+    figures = [f"![{TITLES[name]}]({name}.svg)\n" for name in FIGURES]
+    about = (
+        "Thin lines are seeds, on a few starts at each evaluation; the thick line is their "
+        "interquartile mean, the band its bootstrap interval over seeds. Right of each panel are "
+        "the final held-out rates. BC+RNN learns from the source's demonstrations alone.\n"
+    )
+    return "\n".join(["## Learning\n", about, *figures])
+
+
+def _methods(evidence: Evidence) -> str:
+    parts = []
+    for transfer, task in TASKS.items():
+        parts.append(f"### {task}\n\n{methods_table(summaries(evidence, [transfer]))}")
+    return "\n".join(parts)
+
+
+def _stages(evidence: Evidence) -> str:
+    if not evidence.stages:
+        return "No stage has been run yet."
+    missing = [stage for stage in STAGES if stage not in evidence.stages]
+    lines = [
+        f"All stages together took {_hours(evidence, ()):.2f} hours by the clock, one after the "
+        f"other; what Tables I to III need took {_hours(evidence, EXTRA):.2f}. Demonstrations and "
+        "datasets are the main job's and not counted. A stage that was killed counts from where it "
+        "went on; a run's own seconds are whole.",
+        *([f"Nothing is there yet of: {', '.join(missing)}."] if missing else []),
+        time_of_runs(evidence),
+    ]
+    about = (
+        "Of each stage's last run for every transfer, or transfer and method: the wall-clock, "
+        "summed; the peak memory of the largest process; the git revisions, with a plus sign where "
+        "the sources differed from what was committed."
+    )
+    return "\n\n".join([" ".join(lines), about, stage_table(evidence.stages)]).rstrip()
+
+
+def _hours(evidence: Evidence, without: Iterable[str]) -> float:
+    """Of all stages, or without those of questions and of methods that are in no table."""
+    tables = {f"{name}-{method}" for table in TABLES.values()
+              for name in table.transfers for method in table.methods}  # fmt: skip
+    return sum(
+        run.seconds for stage, keys in evidence.stages.items() for key, run in keys.items()
+        if not without or (stage not in without and (stage != "learn" or key in tables))
+    ) / 3600  # fmt: skip
+
+
+def _demoted(text: str) -> str:
+    """Its headings one level further down."""
+    return re.sub(r"^#", "##", text, flags=re.MULTILINE)

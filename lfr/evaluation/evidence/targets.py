@@ -1,0 +1,155 @@
+"""What this work set itself to reach, against what was reached; and who does as well as LfR."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lfr.evaluation.evidence.aggregate import Interval, bootstrap
+from lfr.evaluation.evidence.curves import side_by_side
+from lfr.evaluation.evidence.names import link_label, method_label
+from lfr.evaluation.evidence.published import ABLATIONS, BASELINES, PUBLISHED, TASKS
+from lfr.evaluation.evidence.records import Evidence, SeedRun, counts
+from lfr.evaluation.evidence.summary import OURS, Summary, summarise
+from lfr.evaluation.evidence.tables import DASH, percent, percent_interval
+from lfr.evaluation.tables import markdown
+
+NO_LEARNING = ("identity", "shared_vae")  # links that are policies of their own, without LfR's G
+OVERSHOOT = 100  # environment steps: a run ends with the skills under way in each simulation
+
+
+@dataclass(frozen=True)
+class Target:
+    """Success to reach, mean over seeds, and environment steps to reach it in."""
+
+    success: float
+    env_steps: int
+
+
+TARGETS = {
+    "s1-panda-lift": Target(0.99, 10_000),
+    "s1-sawyer-stack": Target(0.98, 100_000),
+    "s2-panda-stack": Target(0.98, 100_000),
+    "s2-sawyer-pick_place": Target(0.97, 50_000),
+}
+
+
+@dataclass(frozen=True)
+class Standing:
+    """LfR's interval of the interquartile mean against everybody else's, on one transfer.
+
+    Attributes:
+        ours: LfR's.
+        below, level, above: those whose interval lies wholly below LfR's, overlaps or touches it,
+            or lies wholly above it; label -> interval.
+    """
+
+    ours: Interval
+    below: dict[str, Interval]
+    level: dict[str, Interval]
+    above: dict[str, Interval]
+
+    @property
+    def in_the_way(self) -> dict[str, Interval]:
+        """Those that keep LfR from being above everybody."""
+        return {**self.above, **self.level}
+
+
+def standing(evidence: Evidence, transfer: str, reward: str) -> Standing | None:
+    """Where LfR stands; None before it has a run.
+
+    Compared are all methods that learn under the same reward or none, but for LfR's own ablations,
+    and those zero-shot links that do without its G: identity and the shared VAE. No oracle is.
+    """
+    runs = evidence.of(transfer, OURS, reward)
+    if not runs:
+        return None
+    ours = bootstrap([counts(runs)])
+    others: dict[str, Interval] = {}
+    for method in evidence.methods([transfer]):
+        theirs = evidence.of(transfer, method, reward)
+        ablation = method in ABLATIONS or method.startswith("only_")
+        if theirs and method != OURS and not ablation:
+            others[method_label(method)] = bootstrap([counts(theirs)])
+    found = evidence.links.get(transfer)
+    for link in NO_LEARNING:
+        if found and link in found.links:
+            others[_no_learning(link)] = bootstrap([found.links[link]])
+    places: dict[str, dict[str, Interval]] = {"below": {}, "level": {}, "above": {}}
+    for name, one in others.items():
+        place = "below" if one.high < ours.low else "above" if one.low > ours.high else "level"
+        places[place][name] = one
+    return Standing(ours, **places)
+
+
+def expected_rivals() -> list[str]:
+    """The labels of those whom LfR has to be compared with on every transfer."""
+    methods = (*BASELINES, "shared_vae")
+    return [*map(method_label, methods), *map(_no_learning, NO_LEARNING)]
+
+
+def _no_learning(link: str) -> str:
+    return f"{link_label(link)} (no learning)"
+
+
+def steps_to_goal(runs: list[SeedRun], goal: float) -> float | None:
+    """Environment steps until the mean over seeds is at the goal; None if it never is.
+
+    0 where the held-out rates before learning are there; otherwise the first running evaluation,
+    of a few starts per seed, whose mean is.
+    """
+    before = [run.zero_shot for run in runs if run.zero_shot is not None]
+    if len(before) == len(runs) and np.mean(before) >= goal:
+        return 0.0
+    curves = [run.curve for run in runs if run.curve]
+    if not curves:
+        return None
+    axis, rates = side_by_side(curves)
+    there = axis[1:][rates.mean(axis=-1)[1:] >= goal]  # without the point before learning
+    return float(there[0]) if there.size else None
+
+
+def targets_table(evidence: Evidence) -> str:
+    """Every target under every reward: reached or not, how soon, and who stands in the way."""
+    header = ["task", "reward", "paper", "goal", "mean", "IQM", "n", "reached", "in steps",
+              "reached in", "in time", "above every other", "in the way"]  # fmt: skip
+    rows = [
+        [TASKS[transfer], reward, f"{PUBLISHED[transfer, OURS].rate:.1f}",
+         f"{100 * target.success:.0f}", *_reached(evidence, transfer, reward, target)]
+        for transfer, target in TARGETS.items()
+        for reward in evidence.rewards()
+    ]  # fmt: skip
+    return markdown(header, rows)
+
+
+def _reached(evidence: Evidence, transfer: str, reward: str, target: Target) -> list[object]:
+    ours = summarise(evidence, transfer, OURS, reward)
+    place = standing(evidence, transfer, reward)
+    if ours is None or place is None:
+        return [DASH, DASH, 0, DASH, target.env_steps, DASH, DASH, DASH, DASH]
+    there = reached(ours, target)
+    steps = steps_to_goal(evidence.of(transfer, OURS, reward), target.success)
+    in_time = there and in_budget(ours, steps, target)
+    rivals = "; ".join(f"{name} {percent_interval(one)}" for name, one in place.in_the_way.items())
+    known = {**place.in_the_way, **place.below}
+    whole = known.keys() >= set(expected_rivals())
+    above = "no" if place.in_the_way else "yes" if whole else "so far" if known else DASH
+    return [percent(ours.mean.value), percent_interval(ours.iqm), len(ours.seeds), _yes(there),
+            target.env_steps, "never" if steps is None else f"{steps:.0f}", _yes(in_time),
+            above, rivals or DASH]  # fmt: skip
+
+
+def reached(ours: Summary, target: Target) -> bool:
+    """Whether the mean over seeds of the final held-out rates is at the goal."""
+    return ours.mean.value >= target.success - 1e-9  # a mean of hundredths is not exact
+
+
+def in_budget(ours: Summary, steps: float | None, target: Target) -> bool:
+    """Whether the goal was met in time: the whole run is that short, or its curve got there."""
+    within = target.env_steps + OVERSHOOT
+    return (ours.env_steps or 0) <= within or (steps is not None and steps <= within)
+
+
+def _yes(true: bool) -> str:
+    return "yes" if true else "no"

@@ -1,0 +1,252 @@
+"""Records, tables, targets, figures and text, from made-up results in every state of completion."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from lfr.artifacts import read_json
+from lfr.errors import DataError
+from lfr.evaluation.evidence.claims import disagreements, standings
+from lfr.evaluation.evidence.published import PUBLISHED, TABLES, TASKS
+from lfr.evaluation.evidence.readme import (
+    BEGIN,
+    END,
+    NOT_YET,
+    evidence_block,
+    shown_evidence,
+    update_evidence,
+)
+from lfr.evaluation.evidence.records import read_evidence
+from lfr.evaluation.evidence.report import report
+from lfr.evaluation.evidence.summary import summarise
+from lfr.evaluation.evidence.tables import methods_table, paper_table, questions_table
+from lfr.evaluation.evidence.targets import TARGETS, standing, steps_to_goal, targets_table
+from lfr.scenarios import transfers
+from pipeline.paper import report as stage
+from tests.evaluation.evidence.made_up import imitated, learned, zero_shot
+
+LIFT, CAN = "s1-panda-lift", "s2-sawyer-pick_place"
+ROOT = Path(__file__).parents[3]
+
+
+@pytest.fixture
+def paper(tmp_path: Path) -> Path:
+    """LfR with both rewards, AP with one, BC+RNN and links, of one transfer alone."""
+    folder = tmp_path / "results" / "paper"
+    learned(folder, LIFT, "lfr", {"sparse": [98, 100, 99, 97, 96], "dense": [80, 84]}, before=90)
+    learned(folder, LIFT, "ap", {"sparse": [40, 100, 70]})
+    imitated(folder, LIFT, [30, 50])
+    zero_shot(folder, LIFT, {"constant": [0, 2], "identity": [98, 100], "own_arm": [99, 97]})
+    return folder
+
+
+def cells(table: str, start: str) -> list[list[str]]:
+    """The cells of a Markdown table's rows whose first cell is ``start``."""
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in table.splitlines()]
+    return [row for row in rows if row and row[0] == start]
+
+
+def test_every_run_is_a_record(paper: Path) -> None:
+    evidence = read_evidence(paper)
+    assert len(evidence.runs) == 5 + 2 + 3 + 2
+    assert evidence.rewards() == ["sparse", "dense"]
+    assert evidence.methods() == ["lfr", "bc_rnn", "ap"]
+    first = evidence.of(LIFT, "lfr", "sparse")[0]
+    assert (first.success, first.stock, first.zero_shot, first.env_steps) == (
+        0.98,
+        0.97,
+        0.9,
+        10_000,
+    )
+    assert first.auc == pytest.approx(0.94)
+    assert first.steps_to == (0, 0, 10_000)
+    imitation = evidence.of(LIFT, "bc_rnn", "dense")[0]
+    assert (imitation.reward, imitation.auc, imitation.steps_to) == (None, None, ())
+    assert list(evidence.links[LIFT].links) == ["own_arm", "identity", "constant"]
+    assert set(evidence.stages) == {"learn", "imitate", "zero_shot"}
+
+
+def test_summary_by_hand(paper: Path) -> None:
+    evidence = read_evidence(paper)
+    ours = summarise(evidence, LIFT, "lfr", "sparse")
+    ap = summarise(evidence, LIFT, "ap", "sparse")
+    assert ours is not None
+    assert ap is not None
+    assert (ours.mean.value, ours.iqm.value) == pytest.approx((0.98, 0.98))
+    assert (ap.mean.value, ap.iqm.value) == pytest.approx((0.7, 0.7))
+    assert ap.auc == pytest.approx(0.6)  # straight lines from .5 to .4, 1 and .7
+    assert ap.steps_to == (0, None, None)  # 80 % by one of three
+    assert ap.improvement is not None
+    # 40 and 70 lose to each of five; 100 wins against four and ties with one
+    assert ap.improvement.value == pytest.approx((5 + 5 + 0.5) / 15)
+    assert ours.improvement is None
+    assert summarise(evidence, LIFT, "sac", "sparse") is None
+    assert summarise(evidence, CAN, "lfr", "sparse") is None
+
+
+def test_table_one_has_ours_over_the_papers(paper: Path) -> None:
+    table = paper_table(TABLES["table1"], read_evidence(paper))
+    sparse, dense = table.split("## Dense reward")
+    (row,) = cells(sparse, "Lift, Panda")
+    assert row[1] == "here"
+    assert row[2].startswith("40.0; IQM 40.0 [")
+    assert row[2].endswith("; n = 2")
+    assert row[3].startswith("70.0; IQM 70.0 [")
+    assert row[4] == "- (n = 0)"
+    assert row[5].startswith("98.0; IQM 98.0 [")
+    assert row[5].endswith("; n = 5")
+    papers = [one for one in cells(sparse, "") if one[1] == "paper"]
+    assert papers[0][2:] == ["42.0 ± 2.2", "56.6 ± 1.4", "89.0 ± 0.2", "98.0 ± 0.6"]
+    (row,) = cells(dense, "Lift, Panda")
+    assert (row[3], row[5].split(";")[0]) == ("- (n = 0)", "82.0")
+    assert row[2].startswith("40.0; IQM 40.0 [")
+
+
+def test_the_papers_figures_are_of_transfers_and_tables_there_are() -> None:
+    known = transfers(ROOT / "params.yaml")
+    assert set(TASKS) == set(TARGETS) <= set(known)
+    needed = {(name, method) for table in TABLES.values()
+              for name in table.transfers for method in table.methods}  # fmt: skip
+    assert needed == set(PUBLISHED)
+    assert len(PUBLISHED) == 22  # success rates in the paper's three tables
+    for table in TABLES.values():
+        for name in table.transfers:
+            only = {m.removeprefix("only_") for m in table.methods if m.startswith("only_")}
+            assert only <= set(known[name].common)
+
+
+def test_links_are_pooled_and_each_seed_is_shown(paper: Path) -> None:
+    table = questions_table(read_evidence(paper))
+    (row,) = cells(table, "`identity`")
+    assert row[2] == "99.0 [96.4, 99.7] (98, 100)"  # Wilson's of 198 of 200
+    assert row[3:] == ["-"] * 3
+    names = [line.split("|")[1].strip() for line in table.splitlines()[2:]]
+    assert names == ["`own_arm`", "`identity`", "`constant`"]
+
+
+def test_a_method_row_says_never_and_dash(paper: Path) -> None:
+    evidence = read_evidence(paper)
+    rows = methods_table([found for name in ("sac", "ap", "bc_rnn")
+                          if (found := summarise(evidence, LIFT, name, "sparse"))])  # fmt: skip
+    (ap,), (imitation,) = cells(rows, "AP"), cells(rows, "BC+RNN")
+    assert ap[5:10] == ["40, 100, 70", "50.0", "69.0", "0.600", "10000"]
+    assert ap[10:13] == ["0", "never", "never"]
+    assert imitation[6:13] == ["-"] * 7
+
+
+def test_who_stands_in_the_way(paper: Path) -> None:
+    evidence = read_evidence(paper)
+    place = standing(evidence, LIFT, "sparse")
+    assert place is not None
+    assert set(place.below) == {"BC+RNN"}
+    assert set(place.level) == {"AP", "identity (no learning)"}
+    dense = standing(evidence, LIFT, "dense")
+    assert dense is not None
+    assert set(dense.above) == {"identity (no learning)"}
+    row = cells(targets_table(evidence), "Lift, Panda")[0]
+    assert row[2:5] == ["98.0", "99", "98.0"]
+    assert (row[7], row[10], row[11]) == ("no", "no", "no")
+    assert row[12].startswith("AP 70.0 [")
+    text = standings(evidence)
+    assert "Worse: BC+RNN 40.0 [" in text
+    assert "Not measured yet: SAC" in text
+
+
+def test_ablations_and_oracles_do_not_stand_in_the_way(tmp_path: Path) -> None:
+    learned(tmp_path, CAN, "lfr", {"sparse": [95, 96]})
+    learned(tmp_path, CAN, "only_lift", {"sparse": [100, 100]})
+    learned(tmp_path, CAN, "sac", {"sparse": [0, 3]})
+    zero_shot(tmp_path, CAN, {"oracle": [100, 100], "shared_vae": [10, 12]})
+    place = standing(read_evidence(tmp_path), CAN, "sparse")
+    assert place is not None
+    above = cells(targets_table(read_evidence(tmp_path)), "Pick-Place, Sawyer")[0][11]
+    assert above == "so far"  # BC+RNN, AP and others are not there
+    assert set(place.below) == {"SAC", "shared VAE (no learning)"}
+    assert not place.in_the_way
+
+
+def test_a_goal_is_reached_in_time_or_not(tmp_path: Path) -> None:
+    learned(tmp_path, LIFT, "lfr", {"sparse": [99, 99], "dense": [99, 99]}, 50, 40_000)
+    learned(tmp_path, CAN, "lfr", {"sparse": [97, 98], "dense": [90, 100]}, 97, 60_000)
+    evidence = read_evidence(tmp_path)
+    assert steps_to_goal(evidence.of(LIFT, "lfr", "sparse"), 0.99) == 40_000
+    assert steps_to_goal(evidence.of(LIFT, "lfr", "sparse"), 0.7) == 20_000
+    assert steps_to_goal(evidence.of(CAN, "lfr", "sparse"), 0.97) == 0
+    assert steps_to_goal(evidence.of(CAN, "lfr", "dense"), 0.99) is None
+    table = targets_table(evidence)
+    lift, can, lost = *cells(table, "Lift, Panda")[:1], *cells(table, "Pick-Place, Sawyer")
+    assert (lift[7], lift[9], lift[10]) == ("yes", "40000", "no")
+    assert (can[7], can[9], can[10]) == ("yes", "0", "yes")
+    assert (lost[7], lost[10]) == ("no", "no")
+    assert cells(table, "Stack, Panda")[0][4:8] == ["-", "-", "0", "-"]
+
+
+def test_the_paper_is_disagreed_with_where_its_figure_is_outside(paper: Path) -> None:
+    table = disagreements(read_evidence(paper))
+    (dense,) = cells(table, "Lift, Panda")  # 98 of dense LfR; 42, 56.6 and sparse 98 are inside
+    assert dense[1:4] == ["LfR", "dense", "98.0"]
+    assert dense[5] == "-16.0"
+
+
+def test_one_seed_twice_is_refused(paper: Path) -> None:
+    again = (paper / "imitate" / f"{LIFT}.json").read_text()
+    (paper / "imitate" / "again.json").write_text(again)
+    with pytest.raises(DataError, match="twice"):
+        read_evidence(paper)
+
+
+def test_a_run_without_its_curve_is_refused(paper: Path) -> None:
+    file = paper / "learn" / f"{LIFT}-lfr.csv"
+    file.write_text("".join(line for line in file.open() if not line.startswith("dense,1")))
+    with pytest.raises(DataError, match=r"no curve.*dense, seed 1"):
+        read_evidence(paper)
+
+
+def test_report_sums_the_stages(paper: Path) -> None:
+    text = report(read_evidence(paper))
+    assert "All stages together took 2.00 hours" in text
+    assert "what Tables I to III need took 1.50" in text
+    assert "Nothing is there yet of: models, variants." in text
+    assert "LfR 90 (at most 90)" in text
+    assert "## Table III: ablations" in text
+    assert len(text.split("\n# ")) == 1  # one title
+
+
+@pytest.mark.parametrize("whole", [False, True], ids=["nothing yet", "some"])
+def test_stage_writes_everything_and_the_same_again(
+    whole: bool, paper: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path if whole else tmp_path / "empty"
+    folder.mkdir(exist_ok=True)
+    monkeypatch.chdir(folder)
+    readme = folder / "README.md"
+    readme.write_text(f"# Title\n\n{BEGIN}\n{END}\n\nThe rest.\n")
+    stage.main()
+    written = {path.name: path.read_bytes() for path in Path("results/paper").iterdir()
+               if path.is_file()}  # fmt: skip
+    assert set(written) == {
+        "table1.md", "table2.md", "table3.md", "questions.md", "report.md", "tables.json",
+        "figure3.svg", "figure4.svg", "ablations.svg", "questions.svg", "headline.svg",
+    }  # fmt: skip
+    for link in ("headline.svg", "figure3.svg", "questions.svg"):
+        assert f"({link})".encode() in written["report.md"]
+    assert shown_evidence(readme) == evidence_block()
+    assert (shown_evidence(readme) == NOT_YET) is not whole
+    assert readme.read_text().endswith(f"\n{END}\n\nThe rest.\n")
+    if whole:
+        metrics = read_json(Path("results/paper/tables.json"))[LIFT]["lfr"]["sparse"]
+        assert metrics["mean"]["value"] == pytest.approx(0.98)
+        assert metrics["rates"] == {"0": 0.98, "1": 1.0, "2": 0.99, "3": 0.97, "4": 0.96}
+        stage.main()
+        assert all(written[name] == Path("results/paper", name).read_bytes() for name in written)
+
+
+@pytest.mark.parametrize("text", ["no markers", BEGIN, f"{END}\n{BEGIN}\n", f"{BEGIN}\n{BEGIN}\n"])
+def test_missing_or_doubled_markers_are_named(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "README.md"
+    path.write_text(text)
+    with pytest.raises(DataError, match=r"README\.md"):
+        update_evidence(path, "block")
+    assert path.read_text() == text
