@@ -46,7 +46,7 @@ class Try:
 
 
 def run_try(one: Try) -> dict[str, Any]:
-    """Train the policy and roll it out on both arms; ``cpu``: seconds until it was saved and measured."""
+    """Train the policy and roll it out on both arms; ``cpu``: seconds until it was saved."""
     from lfr.sim.simulation import simulation
 
     began = time.process_time()
