@@ -12,6 +12,7 @@ from lfr.ablations.broken_pairs import Unrelated, shuffled
 from lfr.ablations.closed_form import constant, linear, pairs_of
 from lfr.ablations.maps import MapJob, fitted, map_jobs, map_report
 from lfr.mapping.artifacts import MappingSeen, load_generator, save_generator
+from lfr.mapping.generator import Generator
 from lfr.mapping.models import Material, mapping_job
 from lfr.mapping.training import CommonTask, MappingParams, paired, train_mapping
 from lfr.scenarios import Scenario, transfers_of
@@ -66,6 +67,12 @@ def windows() -> Tensor:
     return drawn(50, 4, 7, seed=2).clamp(-1, 1)
 
 
+@pytest.fixture(scope="module")
+def whole(tasks: list[CommonTask], vaes: tuple[SkillVAE, SkillVAE], windows: Tensor) -> Generator:
+    """G of Algorithm 1 itself."""
+    return train_mapping(tasks, vaes, windows, STILL, seed=0)[0]
+
+
 def test_linear_recovers_an_affine_map() -> None:
     weight, bias = drawn(2 * Z, 2 * Z, seed=3), drawn(2 * Z, seed=4)
     k_x = drawn(500, 2 * Z, seed=5)
@@ -111,10 +118,9 @@ def test_pairs_are_those_of_algorithm_1(
 
 
 def test_broken_pairs_teach_nothing_and_whole_ones_do(
-    tasks: list[CommonTask], vaes: tuple[SkillVAE, SkillVAE], windows: Tensor
+    tasks: list[CommonTask], vaes: tuple[SkillVAE, SkillVAE], windows: Tensor, whole: Generator
 ) -> None:
     _, k_y = pairs_of(tasks, vaes, windows, STILL, seed=0, count=2**13)
-    whole, _ = train_mapping(tasks, vaes, windows, STILL, seed=0)
     broken = shuffled(tasks, vaes, windows, k_y, STILL, seed=0)
     for one in tasks:
         held_out = CommonTask(one.prior_x, one.prior_y, states(200, 9))
@@ -150,14 +156,17 @@ def test_what_each_job_changes(tmp_path: Path) -> None:
 
 
 def test_untrained_keeps_the_scales_and_no_cycle_the_pairs(
-    tasks: list[CommonTask], vaes: tuple[SkillVAE, SkillVAE], windows: Tensor, tmp_path: Path
+    tasks: list[CommonTask],
+    vaes: tuple[SkillVAE, SkillVAE],
+    windows: Tensor,
+    whole: Generator,
+    tmp_path: Path,
 ) -> None:
     made = jobs(tmp_path)
     known = Material(
         dict(zip("ab", tasks, strict=True)), {}, windows, (prior(1), states(9, 3)), {}, None
     )
     untrained = fitted(made["untrained"], known, vaes, seed=0)
-    whole = train_mapping(tasks, vaes, windows, STILL, seed=0)[0]
     assert torch.equal(untrained.centre_out, whole.centre_out)
     held_out = CommonTask(tasks[0].prior_x, tasks[0].prior_y, states(200, 9))
     assert map_report(held_out, untrained)["regression_g"] > 0.8 * spread(held_out)
