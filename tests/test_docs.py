@@ -14,6 +14,7 @@ import pytest
 
 from lfr import cli
 from lfr.data.episode import FEATURES, IMAGES
+from lfr.evaluation.evidence.readme import evidence_block, shown_evidence
 from lfr.evaluation.readme import results_block, shown_block
 from lfr.evaluation.records import LINKS
 from lfr.scenarios import transfers
@@ -193,6 +194,12 @@ def options_of(names: tuple[str, ...]) -> set[str]:
 def test_readme_shows_what_the_results_hold() -> None:
     assert shown_block(ROOT / "README.md") == results_block(ROOT / "results"), (
         "run `python -m pipeline.report`"
+    )
+
+
+def test_the_readme_shows_the_evidence_as_it_is() -> None:
+    assert shown_evidence(ROOT / "README.md") == evidence_block(ROOT / "results"), (
+        "run `python -m pipeline.paper.report`"
     )
 
 
