@@ -18,7 +18,7 @@ class TransferParams:
 
     steps: int = 40_000  # environment (control) steps, warm-up included
     reward: Literal["sparse", "dense"] = "sparse"
-    dense_scale: float = 0.1  # a skill's summed dense reward is then at most 1, as the sparse one
+    dense_scale: float = 0.02  # of a skill's summed dense reward; at 0.1 critics outweigh the prior
     train_phi: bool = True  # the paper trains the extended policy; False keeps Eq. 7's phi fixed
 
     batch: int = 64  # paper; SAC's 256 costs three times as much an update
