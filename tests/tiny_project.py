@@ -123,9 +123,9 @@ def kill_when(folder: Path, pattern: str, *command: str) -> None:
     time.sleep(2)  # what outlived it ends by itself
 
 
-def finished(folder: Path, stage: str = "*") -> list[Path]:
+def finished(folder: Path) -> list[Path]:
     """Results that `run_jobs` keeps: <16 digits>.json right under a fingerprint."""
-    return sorted(p for p in (folder / "work").glob(f"{stage}/*/*/*.json") if len(p.stem) == 16)
+    return sorted(p for p in (folder / "work").glob("*/*/*/*.json") if len(p.stem) == 16)
 
 
 def lasting(content: Any) -> Any:
