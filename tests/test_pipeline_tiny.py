@@ -3,13 +3,7 @@
 from __future__ import annotations
 
 import json
-import os
-import signal
-import subprocess
-import time
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -26,9 +20,6 @@ from . import tiny_project
 
 STAGES = ("record", "pack", "skills", "mapping", "transfer", "evaluate")
 TRANSFER, RUN = "s1-panda-lift", "s1-panda-lift-lfr"
-# What differs between two runs of the same thing. A log names its git revision, and a dataset its
-# logs by hash, so the size of a compressed table may differ by a byte.
-PASSING = ("seconds", "peak_memory", "provenance", "revisions", "bytes")
 
 
 @pytest.fixture(scope="module")
@@ -153,10 +144,10 @@ def test_killed_at_several_moments_and_resumed(project: Path, tmp_path: Path) ->
     ]
     finished: dict[Path, int] = {}
     for moment in moments:
-        _kill_repro_when(folder, moment)
+        tiny_project.kill_when(folder, moment, "dvc", "repro")
         for path, written in finished.items():
             assert path.stat().st_mtime_ns == written, f"{path} was made again"
-        finished |= {path: path.stat().st_mtime_ns for path in _finished(folder)}
+        finished |= {path: path.stat().st_mtime_ns for path in tiny_project.finished(folder)}
         for out in ("data/logs", "data/lerobot", "models/skills", "results"):
             names = [path.name for path in (folder / out).rglob("*")]
             assert not [name for name in names if name.endswith(".partial")]
@@ -166,31 +157,12 @@ def test_killed_at_several_moments_and_resumed(project: Path, tmp_path: Path) ->
     _assert_same(project, folder)
 
 
-def _finished(folder: Path) -> Iterator[Path]:
-    """Results that `run_jobs` keeps: <16 digits>.json right under a fingerprint."""
-    yield from (p for p in (folder / "work").glob("*/*/*/*.json") if len(p.stem) == 16)
-
-
-def _kill_repro_when(folder: Path, pattern: str) -> None:
-    repro = subprocess.Popen(
-        ["dvc", "repro"], cwd=folder, env=tiny_project.ENVIRONMENT, start_new_session=True,
-        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-    )  # fmt: skip
-    deadline = time.monotonic() + 300
-    while not any(folder.glob(pattern)):
-        assert repro.poll() is None, f"dvc repro ended before {pattern} was there"
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
-    os.killpg(repro.pid, signal.SIGKILL)
-    repro.wait()
-    time.sleep(2)  # what outlived it ends by itself
-
-
 def _assert_same(one: Path, other: Path) -> None:
     for stage in STAGES:
         for file in sorted((one / "results" / stage).glob("*.json")):
             again = other / file.relative_to(one)
-            assert _lasting(read_json(again)) == _lasting(read_json(file)), file.name
+            found, expected = (tiny_project.lasting(read_json(each)) for each in (again, file))
+            assert found == expected, file.name
     for name in (f"results/transfer/{RUN}.csv", "results/chain.json", "results/table.md"):
         assert (other / name).read_bytes() == (one / name).read_bytes()
     for file in sorted((one / "models").rglob("model.safetensors")):
@@ -200,9 +172,3 @@ def _assert_same(one: Path, other: Path) -> None:
         assert np.array_equal(first.simulator_state, second.simulator_state)
         for key, column in first.features.items():
             assert np.array_equal(column, second.features[key])
-
-
-def _lasting(content: Any) -> Any:
-    if isinstance(content, dict):
-        return {key: _lasting(item) for key, item in content.items() if key not in PASSING}
-    return [_lasting(item) for item in content] if isinstance(content, list) else content

@@ -71,10 +71,15 @@ class SeedRun:
 
 @dataclass(frozen=True)
 class Links:
-    """A transfer's zero-shot links, each with a success count per seed, by rising seed."""
+    """A transfer's zero-shot links, each with a success count per seed, by rising seed.
+
+    Attributes:
+        seeds: which ones, of each link.
+    """
 
     transfer: str
     links: dict[str, Seeds]
+    seeds: dict[str, tuple[int, ...]]
 
 
 @dataclass(frozen=True)
@@ -118,6 +123,16 @@ def counts(runs: Sequence[SeedRun]) -> Seeds:
     return Seeds(tuple(run.successes for run in runs), tuple(run.episodes for run in runs))
 
 
+def of_seeds(runs: Sequence[SeedRun], seeds: Iterable[int]) -> list[SeedRun]:
+    """Those runs whose seed is among ``seeds``; all of them if none is.
+
+    For interquartile means that stand side by side: of five seeds the lowest is left out, of three
+    none is, so more seeds alone would look better.
+    """
+    wanted = set(seeds)
+    return [run for run in runs if run.seed in wanted] or list(runs)
+
+
 def read_evidence(paper: Path = PAPER) -> Evidence:
     """What the stages have left under ``paper`` so far.
 
@@ -138,12 +153,14 @@ def _learned(folder: Path) -> list[SeedRun]:
     runs = []
     for file, content in _files(folder):
         curves = read_curves(file.with_suffix(".csv"))
+        # Where a run starts does not depend on its reward, so one is judged for all of them.
+        befores = {run["seed"]: run["zero_shot"] for run in content["runs"] if run["zero_shot"]}
         for run in content["runs"]:
             curve = curves.get((run["reward"], run["seed"]))
             if curve is None:
                 raise DataError("no curve of a run", file=file.with_suffix(".csv"),
                                 expected=f"reward {run['reward']}, seed {run['seed']}")  # fmt: skip
-            before = run.get("zero_shot")
+            before = befores.get(run["seed"])
             learned = {"zero_shot": before["rate"] if before else None, "curve": curve,
                        "env_steps": run["env_steps"], "reward": run["reward"]}  # fmt: skip
             runs.append(_seed_run(content, run, learned))
@@ -168,13 +185,14 @@ def _seed_run(about: dict[str, Any], run: dict[str, Any], learned: dict[str, Any
 
 
 def _links(content: dict[str, Any]) -> Links:
-    links = {}
+    links, seeds = {}, {}
     for name in in_order(content["links"], LINKS):
         runs = sorted(content["links"][name]["runs"], key=lambda run: run["seed"])
         if runs:
             found, tried = (tuple(run[key] for run in runs) for key in ("successes", "episodes"))
             links[name] = Seeds(found, tried)
-    return Links(content["transfer"], links)
+            seeds[name] = tuple(run["seed"] for run in runs)
+    return Links(content["transfer"], links, seeds)
 
 
 def _stages(paper: Path) -> dict[str, dict[str, StageRun]]:

@@ -41,13 +41,14 @@ def report(evidence: Evidence) -> str:
 The goal is for the mean over seeds of the final held-out rates. "Reached in" is 0 where the
 policy is there before learning, else the first running evaluation whose mean over seeds is. LfR is
 above every other where the lower end of its interval is above the upper end of each other
-method's, and of the links without learning {" and ".join(f"`{link}`" for link in NO_LEARNING)};
+method's, and of the links without learning {", ".join(f"`{link}`" for link in NO_LEARNING)};
 its ablations and the oracles are not compared; "so far" where a comparison is still missing.
 
 {targets_table(evidence)}
 ## Who does as well as LfR
 
-Interquartile means with their intervals; as good means that the intervals overlap.
+Interquartile means with their intervals; as good means that the intervals overlap, LfR's being
+that of the seeds that both have.
 
 {standings(evidence)}
 
@@ -63,13 +64,14 @@ final rate is in the order of the seeds.
 {_methods(evidence)}
 ### Over all tasks
 
-Over the tasks that the method and LfR both have runs of, stratified by task.
+Over the tasks that the method and LfR both have runs of, stratified by task. LfR's IQM there is
+of the same seeds.
 
 {overall_table(evidence)}
 ## Questions that need no learning
 
-Zero-shot success on the new task: mean over seeds with the Wilson interval of all episodes
-together, and each seed.
+Zero-shot success on the new task: mean over seeds with its bootstrap interval over seeds and
+episodes, and each seed.
 
 {questions_table(evidence)}
 ## Where this disagrees with the paper
@@ -128,8 +130,8 @@ def _stages(evidence: Evidence) -> str:
     lines = [
         f"All stages together took {_hours(evidence, ()):.2f} hours by the clock, one after the "
         f"other; what Tables I to III need took {_hours(evidence, EXTRA):.2f}. Demonstrations and "
-        "datasets are the main job's and not counted. A stage that was killed counts from where it "
-        "went on; a run's own seconds are whole.",
+        "datasets are the main job's and not counted. A stage or a run that was killed counts from "
+        "where it went on, and a stage that was run again only what it had not finished before.",
         *([f"Nothing is there yet of: {', '.join(missing)}."] if missing else []),
         time_of_runs(evidence),
     ]

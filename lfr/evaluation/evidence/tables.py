@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from lfr.evaluation.evidence.aggregate import Interval, bootstrap, improvement
+from lfr.evaluation.evidence.aggregate import Interval, bootstrap, improvement, mean
 from lfr.evaluation.evidence.curves import LEVELS
 from lfr.evaluation.evidence.names import LINKS, in_order, method_label
 from lfr.evaluation.evidence.published import PUBLISHED, TASKS, PaperTable
-from lfr.evaluation.evidence.records import Evidence, Links, counts
+from lfr.evaluation.evidence.records import Evidence, Links, SeedRun, counts, of_seeds
 from lfr.evaluation.evidence.summary import OURS, Summary, summarise
-from lfr.evaluation.statistics import success_of
 from lfr.evaluation.tables import markdown
 
 DASH = "-"
@@ -93,24 +92,34 @@ def _probability(found: Interval) -> str:
 
 
 def overall_table(evidence: Evidence) -> str:
-    """Every method over all transfers that it and LfR have, stratified over these."""
+    """Every method over all transfers that it and LfR have, stratified over these.
+
+    LfR's interquartile mean is of the seeds that both have.
+    """
     header = ["method", "reward", "tasks", "IQM", "LfR's IQM there", "P(LfR better)"]
     rows = []
     for reward in evidence.rewards():
         for method in evidence.methods():
             both = [
-                [counts(evidence.of(transfer, name, reward)) for name in (method, OURS)]
-                for transfer in TASKS
-                if evidence.of(transfer, method, reward) and evidence.of(transfer, OURS, reward)
+                pair for transfer in TASKS if (pair := _pair(evidence, transfer, method, reward))
             ]
             if not both:
                 continue
-            theirs, ours = [pair[0] for pair in both], [pair[1] for pair in both]
+            theirs, ours = ([counts(pair[i]) for pair in both] for i in (0, 1))
+            same = [counts(of_seeds(pair[1], (run.seed for run in pair[0]))) for pair in both]
             better = DASH if method == OURS else _probability(improvement(ours, theirs))
             rows.append([method_label(method), reward, len(both),
-                         percent_interval(bootstrap(theirs)), percent_interval(bootstrap(ours)),
+                         percent_interval(bootstrap(theirs)), percent_interval(bootstrap(same)),
                          better])  # fmt: skip
     return markdown(header, rows)
+
+
+def _pair(
+    evidence: Evidence, transfer: str, method: str, reward: str
+) -> tuple[list[SeedRun], list[SeedRun]] | None:
+    """A method's runs and LfR's, where both have some."""
+    theirs, ours = (evidence.of(transfer, name, reward) for name in (method, OURS))
+    return (theirs, ours) if theirs and ours else None
 
 
 def questions_table(evidence: Evidence) -> str:
@@ -125,10 +134,9 @@ def questions_table(evidence: Evidence) -> str:
 
 
 def _link(found: Links | None, name: str) -> str:
-    """``97.5 [95.0, 98.8] (98, 97)``: all episodes with Wilson's interval, and each seed."""
+    """``97.5 [95.0, 98.8] (98, 97)``: the mean with its bootstrap interval, and each seed."""
     if found is None or name not in found.links:
         return DASH
     seeds = found.links[name]
-    pooled = success_of(sum(seeds.successes), sum(seeds.episodes))
-    shown = percent_interval(Interval(float(seeds.rates.mean()), pooled.low, pooled.high))
-    return f"{shown} ({', '.join(f'{100 * rate:.0f}' for rate in seeds.rates)})"
+    each = ", ".join(f"{100 * rate:.0f}" for rate in seeds.rates)
+    return f"{percent_interval(bootstrap([seeds], mean))} ({each})"

@@ -10,12 +10,21 @@ from lfr.evaluation.evidence.aggregate import Interval, bootstrap
 from lfr.evaluation.evidence.curves import side_by_side
 from lfr.evaluation.evidence.names import link_label, method_label
 from lfr.evaluation.evidence.published import ABLATIONS, BASELINES, PUBLISHED, TASKS
-from lfr.evaluation.evidence.records import Evidence, SeedRun, counts
+from lfr.evaluation.evidence.records import Evidence, SeedRun, counts, of_seeds
 from lfr.evaluation.evidence.summary import OURS, Summary, summarise
 from lfr.evaluation.evidence.tables import DASH, percent, percent_interval
 from lfr.evaluation.tables import markdown
 
-NO_LEARNING = ("identity", "shared_vae")  # links that are policies of their own, without LfR's G
+NO_LEARNING = (
+    "identity",
+    "recoded",
+    "shared_vae",
+)  # links that are policies of their own, without LfR's G
+# reward -> who learns under it and is no ablation, as paper/params.yaml has it
+RIVALS = {
+    "sparse": (*BASELINES, "spirl", "spirl_no_prior", "shared_vae", "wrong_task"),
+    "dense": BASELINES,
+}
 OVERSHOOT = 100  # environment steps: a run ends with the skills under way in each simulation
 
 
@@ -40,7 +49,8 @@ class Standing:
     """LfR's interval of the interquartile mean against everybody else's, on one transfer.
 
     Attributes:
-        ours: LfR's.
+        ours: LfR's, of all its seeds. Each of the others is compared with the one of the seeds that
+            both have (`lfr.evaluation.evidence.records.of_seeds`).
         below, level, above: those whose interval lies wholly below LfR's, overlaps or touches it,
             or lies wholly above it; label -> interval.
     """
@@ -60,33 +70,33 @@ def standing(evidence: Evidence, transfer: str, reward: str) -> Standing | None:
     """Where LfR stands; None before it has a run.
 
     Compared are all methods that learn under the same reward or none, but for LfR's own ablations,
-    and those zero-shot links that do without its G: identity and the shared VAE. No oracle is.
+    and those zero-shot links that are no variants of its G: `NO_LEARNING`. No oracle is.
     """
     runs = evidence.of(transfer, OURS, reward)
     if not runs:
         return None
-    ours = bootstrap([counts(runs)])
-    others: dict[str, Interval] = {}
+    others: dict[str, tuple[Interval, Interval]] = {}  # theirs, and LfR's of the same seeds
     for method in evidence.methods([transfer]):
         theirs = evidence.of(transfer, method, reward)
         ablation = method in ABLATIONS or method.startswith("only_")
         if theirs and method != OURS and not ablation:
-            others[method_label(method)] = bootstrap([counts(theirs)])
+            ours = of_seeds(runs, (run.seed for run in theirs))
+            others[method_label(method)] = bootstrap([counts(theirs)]), bootstrap([counts(ours)])
     found = evidence.links.get(transfer)
     for link in NO_LEARNING:
         if found and link in found.links:
-            others[_no_learning(link)] = bootstrap([found.links[link]])
+            ours = of_seeds(runs, found.seeds[link])
+            others[_no_learning(link)] = bootstrap([found.links[link]]), bootstrap([counts(ours)])
     places: dict[str, dict[str, Interval]] = {"below": {}, "level": {}, "above": {}}
-    for name, one in others.items():
-        place = "below" if one.high < ours.low else "above" if one.low > ours.high else "level"
+    for name, (one, lfr) in others.items():
+        place = "below" if one.high < lfr.low else "above" if one.low > lfr.high else "level"
         places[place][name] = one
-    return Standing(ours, **places)
+    return Standing(bootstrap([counts(runs)]), **places)
 
 
-def expected_rivals() -> list[str]:
+def expected_rivals(reward: str) -> list[str]:
     """The labels of those whom LfR has to be compared with on every transfer."""
-    methods = (*BASELINES, "shared_vae")
-    return [*map(method_label, methods), *map(_no_learning, NO_LEARNING)]
+    return [*map(method_label, RIVALS[reward]), *map(_no_learning, NO_LEARNING)]
 
 
 def _no_learning(link: str) -> str:
@@ -133,7 +143,7 @@ def _reached(evidence: Evidence, transfer: str, reward: str, target: Target) -> 
     in_time = there and in_budget(ours, steps, target)
     rivals = "; ".join(f"{name} {percent_interval(one)}" for name, one in place.in_the_way.items())
     known = {**place.in_the_way, **place.below}
-    whole = known.keys() >= set(expected_rivals())
+    whole = known.keys() >= set(expected_rivals(reward))
     above = "no" if place.in_the_way else "yes" if whole else "so far" if known else DASH
     return [percent(ours.mean.value), percent_interval(ours.iqm), len(ours.seeds), _yes(there),
             target.env_steps, "never" if steps is None else f"{steps:.0f}", _yes(in_time),

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from lfr.artifacts import read_json
+from lfr.artifacts import read_json, write_json
 from lfr.errors import DataError
 from lfr.evaluation.evidence.claims import disagreements, standings
 from lfr.evaluation.evidence.published import PUBLISHED, TABLES, TASKS
@@ -21,8 +21,20 @@ from lfr.evaluation.evidence.readme import (
 from lfr.evaluation.evidence.records import read_evidence
 from lfr.evaluation.evidence.report import report
 from lfr.evaluation.evidence.summary import summarise
-from lfr.evaluation.evidence.tables import methods_table, paper_table, questions_table
-from lfr.evaluation.evidence.targets import TARGETS, standing, steps_to_goal, targets_table
+from lfr.evaluation.evidence.tables import (
+    methods_table,
+    overall_table,
+    paper_table,
+    questions_table,
+)
+from lfr.evaluation.evidence.targets import (
+    RIVALS,
+    TARGETS,
+    standing,
+    steps_to_goal,
+    targets_table,
+)
+from lfr.params import read_yaml
 from lfr.scenarios import transfers
 from pipeline.paper import report as stage
 from tests.evaluation.evidence.made_up import imitated, learned, zero_shot
@@ -117,11 +129,16 @@ def test_the_papers_figures_are_of_transfers_and_tables_there_are() -> None:
             assert only <= set(known[name].common)
 
 
-def test_links_are_pooled_and_each_seed_is_shown(paper: Path) -> None:
+def test_links_have_an_interval_over_seeds_and_each_seed_is_shown(paper: Path) -> None:
+    zero_shot(paper, CAN, {"identity": [0, 100], "constant": [0, 0]})
     table = questions_table(read_evidence(paper))
-    (row,) = cells(table, "`identity`")
-    assert row[2] == "99.0 [96.4, 99.7] (98, 100)"  # Wilson's of 198 of 200
-    assert row[3:] == ["-"] * 3
+    (row,), (constant,) = cells(table, "`identity`"), cells(table, "`constant`")
+    assert row[2].startswith("99.0 [9")
+    assert row[2].endswith("] (98, 100)")
+    # All 200 episodes together would have it that the half is sure to 7 points.
+    assert row[5] == "50.0 [0.0, 100.0] (0, 100)"
+    assert constant[5] == "0.0 [0.0, 1.9] (0, 0)"  # Wilson's of 0 of 200
+    assert row[3:5] == ["-"] * 2
     names = [line.split("|")[1].strip() for line in table.splitlines()[2:]]
     assert names == ["`own_arm`", "`identity`", "`constant`"]
 
@@ -154,6 +171,32 @@ def test_who_stands_in_the_way(paper: Path) -> None:
     assert "Not measured yet: SAC" in text
 
 
+def test_who_has_more_seeds_gains_nothing_by_it(tmp_path: Path) -> None:
+    """Of LfR's five seeds the interquartile mean would leave out the one that fails."""
+    learned(tmp_path, CAN, "lfr", {"sparse": [20, 99, 99, 99, 99]})
+    learned(tmp_path, CAN, "spirl", {"sparse": [60, 60, 60]})
+    zero_shot(tmp_path, CAN, {"recoded": [60, 60, 60], "identity": [60] * 5})
+    evidence = read_evidence(tmp_path)
+    place = standing(evidence, CAN, "sparse")
+    assert place is not None
+    assert place.ours.value == pytest.approx(0.99)
+    assert "SPiRL (common prior)" in place.level
+    assert "recoded (no learning)" in place.level
+    (row,) = cells(overall_table(evidence), "SPiRL (common prior)")
+    assert row[4].startswith("72.7 [")  # of 20, 99 and 99
+
+
+def test_where_a_run_starts_does_not_depend_on_its_reward(paper: Path) -> None:
+    file = paper / "learn" / f"{LIFT}-lfr.json"
+    content = read_json(file)
+    for run in content["runs"]:
+        if run["reward"] == "dense":
+            run["zero_shot"] = None  # as the stage writes it: judged once
+    write_json(file, content)
+    found = read_evidence(paper).of(LIFT, "lfr", "dense")
+    assert [run.zero_shot for run in found] == [0.9, 0.9]
+
+
 def test_ablations_and_oracles_do_not_stand_in_the_way(tmp_path: Path) -> None:
     learned(tmp_path, CAN, "lfr", {"sparse": [95, 96]})
     learned(tmp_path, CAN, "only_lift", {"sparse": [100, 100]})
@@ -165,6 +208,15 @@ def test_ablations_and_oracles_do_not_stand_in_the_way(tmp_path: Path) -> None:
     assert above == "so far"  # BC+RNN, AP and others are not there
     assert set(place.below) == {"SAC", "shared VAE (no learning)"}
     assert not place.in_the_way
+
+
+def test_rivals_are_those_who_learn_by_the_parameters() -> None:
+    learn = read_yaml(ROOT / "paper/params.yaml")["learn"]
+    groups = ("tables", "questions")
+    for reward, rivals in RIVALS.items():
+        learners = {method for group in groups if reward in learn["rewards"][group]
+                    for method in learn["methods"][group]}  # fmt: skip
+        assert set(rivals) == (learners | {"bc_rnn"}) - {"lfr"}
 
 
 def test_a_goal_is_reached_in_time_or_not(tmp_path: Path) -> None:
