@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from statistics import median
 
 from lfr.evaluation.evidence.aggregate import Interval
@@ -24,7 +24,7 @@ def standings(evidence: Evidence) -> str:
             if place:
                 seeds = len(evidence.of(transfer, OURS, reward))
                 items.append(f"- **{task}, {reward}**: {_sentence(place, seeds)}")
-                items[-1] += _unmeasured(place)
+                items[-1] += _unmeasured(place, expected_rivals(evidence, reward))
     return "\n".join(items) or "LfR has no run yet."
 
 
@@ -43,9 +43,9 @@ def _sentence(place: Standing, seeds: int) -> str:
     return " ".join(parts)
 
 
-def _unmeasured(place: Standing) -> str:
+def _unmeasured(place: Standing, expected: Sequence[str]) -> str:
     known = {**place.in_the_way, **place.below}
-    missing = [name for name in expected_rivals() if name not in known]
+    missing = [name for name in expected if name not in known]
     return f" Not measured yet: {', '.join(missing)}." if missing else ""
 
 
