@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.stats import trim_mean
@@ -88,6 +89,13 @@ def bootstrap(
     resample, and where all but one did, the interquartile mean hardly ever moves. So neither end is
     nearer than that of the Wilson interval of the same value over as many episodes.
     """
+    return _bootstrap(tuple(tasks), statistic, resamples, confidence)
+
+
+@lru_cache(maxsize=4096)  # tables, figures and text ask for the same ones
+def _bootstrap(
+    tasks: tuple[Seeds, ...], statistic: Statistic, resamples: int, confidence: float
+) -> Interval:
     value = float(statistic(np.concatenate([task.rates for task in tasks])))
     generator = np.random.default_rng(GENERATOR_SEED)
     drawn = [_resampled(task, resamples, generator) for task in tasks]

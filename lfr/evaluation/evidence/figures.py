@@ -56,6 +56,7 @@ def curve_figure(path: Path, figure: CurveFigure, evidence: Evidence) -> None:
     from matplotlib.figure import Figure
 
     rewards = _rewards(figure, evidence)
+    named = len(evidence.rewards()) > 1
     present = set(evidence.methods(figure.transfers))
     methods = [method for method in figure.methods if method in present]
     across, down = len(figure.transfers), len(rewards)
@@ -67,7 +68,7 @@ def curve_figure(path: Path, figure: CurveFigure, evidence: Evidence) -> None:
             for column, transfer in enumerate(figure.transfers):
                 panel = panels[row][column]
                 title = TASKS.get(transfer, transfer)
-                panel.set_title(f"{title}, {reward}" if down > 1 else title, loc="left")
+                panel.set_title(f"{title}, {reward}" if named else title, loc="left")
                 _frame(panel)
                 _draw(panel, evidence, transfer, reward, methods)
                 _levels(panel, evidence, transfer, figure.links)

@@ -105,9 +105,7 @@ def _keys(panel: Any, evidence: Evidence, methods: bool, links: bool) -> list[An
                    label=f"a seed, {reward} reward")[0]
         for reward in rewards
     ]  # fmt: skip
-    bar = panel.plot([], [], color=grey, alpha=0.3, linewidth=4, label="interval of the IQM")[
-        0
-    ]
+    bar = panel.plot([], [], color=grey, alpha=0.3, linewidth=4, label="interval of the IQM")[0]
     paper = panel.plot([], [], color="#999999", linestyle="", marker="|", markersize=9,
                        markeredgewidth=2.5, label="paper")[0]  # fmt: skip
     if links:

@@ -162,9 +162,7 @@ def _same_beginnings(runs: list[SeedRun]) -> list[SeedRun]:
         (run.transfer, run.method, run.seed): run.zero_shot
         for run in runs if run.zero_shot is not None
     }  # fmt: skip
-    return [
-        replace(run, zero_shot=known.get((run.transfer, run.method, run.seed))) for run in runs
-    ]
+    return [replace(run, zero_shot=known.get((run.transfer, run.method, run.seed))) for run in runs]
 
 
 def _imitated(folder: Path) -> list[SeedRun]:

@@ -94,7 +94,9 @@ def _said(steps: float) -> str:
 
 def _spread(returns: np.ndarray) -> str:
     """``104.2 (81.0 to 130.5, 5 seeds)``"""
-    return f"{returns.mean():.1f} ({returns.min():.1f} to {returns.max():.1f}, {len(returns)} seeds)"
+    return (
+        f"{returns.mean():.1f} ({returns.min():.1f} to {returns.max():.1f}, {len(returns)} seeds)"
+    )
 
 
 def reference_figure(path: Path, found: Reference) -> None:
