@@ -9,6 +9,7 @@ from lfr.evaluation.evidence.headline import headline_figure
 from lfr.evaluation.evidence.published import TABLES, TASKS
 from lfr.evaluation.evidence.readme import evidence_block, update_evidence
 from lfr.evaluation.evidence.records import PAPER, read_evidence
+from lfr.evaluation.evidence.reference import reference_figure
 from lfr.evaluation.evidence.report import report
 from lfr.evaluation.evidence.summary import as_metrics, summaries
 from lfr.evaluation.evidence.tables import paper_table, questions_table
@@ -29,6 +30,8 @@ def main() -> None:
     for name, figure in FIGURES.items():
         curve_figure(PAPER / f"{name}.svg", figure, evidence)
     headline_figure(PAPER / "headline.svg", evidence)
+    if evidence.reference:
+        reference_figure(PAPER / "reference.svg", evidence.reference)
     write_json(PAPER / "tables.json", as_metrics(summaries(evidence, TASKS)))
     _write("report.md", report(evidence))
     if README.is_file():  # it is no output of the stage, and need not be there

@@ -15,6 +15,7 @@ from lfr.evaluation.evidence.published import ABLATIONS, BASELINES, SCENARIO_1, 
 from lfr.evaluation.evidence.records import Evidence, SeedRun, counts
 from lfr.evaluation.evidence.style import PERCENT, STYLE, look
 from lfr.evaluation.evidence.summary import OURS
+from lfr.evaluation.evidence.targets import no_learning
 
 Panel = Any  # matplotlib's Axes
 
@@ -25,16 +26,18 @@ class CurveFigure:
 
     Attributes:
         methods: those drawn, where they have a run; LfR last, so on top.
+        links: zero-shot links drawn as a level, since they take no steps.
     """
 
     transfers: tuple[str, ...]
     methods: tuple[str, ...]
+    links: tuple[str, ...] = ()
 
 
 FIGURES = {
-    "figure3": CurveFigure(SCENARIO_1, (*BASELINES, OURS)),
-    "figure4": CurveFigure(SCENARIO_2, (*BASELINES, OURS)),
-    "ablations": CurveFigure(tuple(TASKS), (*ABLATIONS, "only_pick_place", OURS)),
+    "figure3": CurveFigure(SCENARIO_1, (*BASELINES, OURS), ("identity",)),
+    "figure4": CurveFigure(SCENARIO_2, (*BASELINES, OURS), ("identity",)),
+    "ablations": CurveFigure(SCENARIO_2, (*ABLATIONS, OURS)),
     "questions": CurveFigure(
         tuple(TASKS), ("shared_vae", "spirl", "spirl_no_prior", "wrong_task", OURS)
     ),
@@ -52,7 +55,8 @@ def curve_figure(path: Path, figure: CurveFigure, evidence: Evidence) -> None:
     from matplotlib import rc_context
     from matplotlib.figure import Figure
 
-    rewards = evidence.rewards()
+    rewards = _rewards(figure, evidence)
+    named = len(evidence.rewards()) > 1
     present = set(evidence.methods(figure.transfers))
     methods = [method for method in figure.methods if method in present]
     across, down = len(figure.transfers), len(rewards)
@@ -64,17 +68,39 @@ def curve_figure(path: Path, figure: CurveFigure, evidence: Evidence) -> None:
             for column, transfer in enumerate(figure.transfers):
                 panel = panels[row][column]
                 title = TASKS.get(transfer, transfer)
-                panel.set_title(f"{title}, {reward}" if down > 1 else title, loc="left")
+                panel.set_title(f"{title}, {reward}" if named else title, loc="left")
                 _frame(panel)
                 _draw(panel, evidence, transfer, reward, methods)
+                _levels(panel, evidence, transfer, figure.links)
         drawn.supxlabel("environment steps, thousands", fontsize=9)
         drawn.supylabel("success", fontsize=9)
-        if methods:
-            handles = [_key(panels[0][0], method) for method in in_order(methods, METHODS)]
-            drawn.legend(handles=handles, loc="outside upper center", ncols=min(len(methods), 5),
+        handles = [_key(panels[0][0], method) for method in in_order(methods, METHODS)]
+        levels = {line.get_label(): line for panel in panels.flat for line in panel.lines
+                  if line.get_label() in map(no_learning, figure.links)}  # fmt: skip
+        handles += levels.values()
+        if handles:
+            drawn.legend(handles=handles, loc="outside upper center", ncols=min(len(handles), 5),
                          handlelength=3.2)  # fmt: skip
         with write_whole(path) as partial:
             drawn.savefig(partial, format="svg", metadata={"Date": None})
+
+
+def _rewards(figure: CurveFigure, evidence: Evidence) -> list[str]:
+    """Those under which LfR has company; all of them where it has none yet."""
+    found = [
+        reward for reward in evidence.rewards()
+        if any(run.reward == reward and run.transfer in figure.transfers
+               and run.method in figure.methods and run.method != OURS for run in evidence.runs)
+    ]  # fmt: skip
+    return found or evidence.rewards()
+
+
+def _levels(panel: Panel, evidence: Evidence, transfer: str, links: Sequence[str]) -> None:
+    found = evidence.links.get(transfer)
+    for link in links:
+        if found and link in found.links:
+            level = bootstrap([found.links[link]]).value
+            panel.axhline(level, color="#777777", linewidth=1.1, zorder=2, label=no_learning(link))
 
 
 def _frame(panel: Panel) -> None:

@@ -6,7 +6,7 @@ The evidence comes in over hours. What is not there yet is simply missing here.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,11 +15,12 @@ from lfr.errors import DataError
 from lfr.evaluation.evidence.aggregate import Seeds
 from lfr.evaluation.evidence.curves import LEVELS, Curve, read_curves
 from lfr.evaluation.evidence.names import LINKS, METHODS, REWARDS, in_order
+from lfr.evaluation.evidence.reference import Reference, read_reference
 from lfr.evaluation.records import RESULTS, StageRun
 from lfr.evaluation.statistics import success_of
 
 PAPER = RESULTS / "paper"
-STAGES = ("models", "variants", "zero_shot", "imitate", "learn")  # in the order they are run
+STAGES = ("models", "variants", "zero_shot", "imitate", "learn", "reference")  # as they are run
 STOCK = "robosuite"
 
 
@@ -32,6 +33,7 @@ class SeedRun:
         successes, episodes: of the final policy on held-out starts, by the first judge.
         zero_shot: rate on the same starts before any learning; None where it has no such state.
         stock: rate of the final policy in stock robosuite; None where it was not judged there.
+        stock_episodes: the starts that robosuite judged, the first ones of ``episodes``.
         env_steps: of learning; None for a method that takes none.
         seconds: of learning.
         curve: of the running evaluations.
@@ -45,6 +47,7 @@ class SeedRun:
     episodes: int
     zero_shot: float | None = None
     stock: float | None = None
+    stock_episodes: int | None = None
     env_steps: int | None = None
     seconds: float | None = None
     curve: Curve | None = None
@@ -89,11 +92,13 @@ class Evidence:
     Attributes:
         links: transfer -> links.
         stages: stage -> key -> its last run.
+        reference: SAC beside robosuite-benchmark's; None before both are there.
     """
 
     runs: tuple[SeedRun, ...] = ()
     links: dict[str, Links] = field(default_factory=dict)
     stages: dict[str, dict[str, StageRun]] = field(default_factory=dict)
+    reference: Reference | None = None
 
     def of(self, transfer: str, method: str, reward: str | None) -> list[SeedRun]:
         """A method's runs under a reward, by rising seed; a method without one fits any."""
@@ -146,7 +151,8 @@ def read_evidence(paper: Path = PAPER) -> Evidence:
         raise DataError("a seed is there twice", file=paper, found=twice[0], expected="one run")
     ordered = tuple(run for _, run in sorted(zip(keys, runs, strict=True), key=lambda one: one[0]))
     links = [_links(content) for _, content in _files(paper / "zero_shot")]
-    return Evidence(ordered, {one.transfer: one for one in links}, _stages(paper))
+    reference = read_reference(paper / "reference" / "lift-panda.csv")
+    return Evidence(ordered, {one.transfer: one for one in links}, _stages(paper), reference)
 
 
 def _learned(folder: Path) -> list[SeedRun]:
@@ -164,7 +170,16 @@ def _learned(folder: Path) -> list[SeedRun]:
             learned = {"zero_shot": before["rate"] if before else None, "curve": curve,
                        "env_steps": run["env_steps"], "reward": run["reward"]}  # fmt: skip
             runs.append(_seed_run(content, run, learned))
-    return runs
+    return _same_beginnings(runs)
+
+
+def _same_beginnings(runs: list[SeedRun]) -> list[SeedRun]:
+    """Every run with its zero-shot rate, which is judged once for all rewards of a seed."""
+    known = {
+        (run.transfer, run.method, run.seed): run.zero_shot
+        for run in runs if run.zero_shot is not None
+    }  # fmt: skip
+    return [replace(run, zero_shot=known.get((run.transfer, run.method, run.seed))) for run in runs]
 
 
 def _imitated(folder: Path) -> list[SeedRun]:
@@ -180,7 +195,8 @@ def _seed_run(about: dict[str, Any], run: dict[str, Any], learned: dict[str, Any
     return SeedRun(
         transfer=about["transfer"], method=about["method"], seed=run["seed"],
         successes=judged["successes"], episodes=judged["episodes"],
-        stock=stock["rate"] if stock else None, seconds=run.get("seconds"), **learned,
+        stock=stock["rate"] if stock else None,
+        stock_episodes=stock["episodes"] if stock else None, seconds=run.get("seconds"), **learned,
     )  # fmt: skip
 
 

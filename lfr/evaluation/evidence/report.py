@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from lfr.evaluation.evidence.claims import disagreements, standings, time_of_runs
 from lfr.evaluation.evidence.curves import LEVELS
 from lfr.evaluation.evidence.figures import FIGURES
+from lfr.evaluation.evidence.findings import findings, reasons, short_table
 from lfr.evaluation.evidence.published import TABLES, TASKS
 from lfr.evaluation.evidence.records import STAGES, Evidence
 from lfr.evaluation.evidence.summary import summaries
@@ -20,12 +21,13 @@ from lfr.evaluation.evidence.tables import (
 from lfr.evaluation.evidence.targets import NO_LEARNING, targets_table
 from lfr.evaluation.tables import stage_table
 
-EXTRA = ("zero_shot",)  # stages that the paper's tables can do without
+EXTRA = ("zero_shot", "reference")  # stages that the paper's tables can do without
 TITLES = {
     "figure3": "Figure 3: scenario 1, the paper's methods",
     "figure4": "Figure 4: scenario 2, the paper's methods",
     "ablations": "Ablations while they learn",
     "questions": "Other priors and a shared VAE while they learn",
+    "reference": "SAC on Panda's Lift beside robosuite-benchmark's",
 }
 
 
@@ -35,6 +37,14 @@ def report(evidence: Evidence) -> str:
     return f"""# The evidence
 
 {_protocol(evidence)}
+
+## In short
+
+Interquartile means over seeds with their intervals, in percent of held-out episodes. One does as
+well as LfR where the intervals overlap or its own is higher.
+
+{short_table(evidence)}
+{findings(evidence)}
 
 ## What was to be reached
 
@@ -53,7 +63,7 @@ that of the seeds that both have.
 {standings(evidence)}
 
 {_tables(evidence)}
-{_figures()}
+{_figures(evidence)}
 ## Every method
 
 Area: under the curve of the running evaluations, over its length. Steps to {levels} %: the first
@@ -79,6 +89,7 @@ episodes, and each seed.
 The paper's figures outside the interval of our mean.
 
 {disagreements(evidence)}
+{reasons(evidence, evidence.methods())}
 ## What was run on what
 
 {_stages(evidence)}
@@ -92,22 +103,29 @@ def _protocol(evidence: Evidence) -> str:
     return f"""A seed is a whole repetition: the split of the demonstrations, skill models, mapping,
 and learning. Every final policy is judged at a fixed number of environment steps on the same
 {episodes} held-out starts, which nothing was trained on, by this project's engine; the column
-robosuite is stock robosuite's word on the same starts. Success is robosuite's own check, at any
-step within the horizon. All environment steps count, the warm-up included. Seeds so far:
+robosuite is stock robosuite's word on {_stock(evidence)}. Success is robosuite's own check, at
+any step within the horizon. All environment steps count, the warm-up included. Seeds so far:
 {", ".join(map(str, seeds)) or "none"}.
 
 Intervals are of 95 %. The interquartile mean (IQM) leaves out the lowest and the highest quarter
 of the seeds; its interval is a stratified bootstrap over seeds, and over the episodes of each
-(Agarwal et al. 2021; `lfr.evaluation.evidence.aggregate`). Every number is computed from the files
+(Agarwal et al. 2021; `lfr.evaluation.evidence.aggregate`), and never narrower than Wilson's of all
+episodes. Every number is computed from the files
 beside this one, by `python -m pipeline.paper.report`. ![Final success](headline.svg)"""
+
+
+def _stock(evidence: Evidence) -> str:
+    judged = {run.stock_episodes for run in evidence.runs if run.stock_episodes is not None}
+    return f"the first {' or '.join(map(str, sorted(judged)))} of them" if judged else "them"
 
 
 def _tables(evidence: Evidence) -> str:
     return "\n".join(_demoted(paper_table(table, evidence)) for table in TABLES.values())
 
 
-def _figures() -> str:
-    figures = [f"![{TITLES[name]}]({name}.svg)\n" for name in FIGURES]
+def _figures(evidence: Evidence) -> str:
+    shown = (*FIGURES, "reference") if evidence.reference else FIGURES
+    figures = [f"![{TITLES[name]}]({name}.svg)\n" for name in shown]
     about = (
         "Thin lines are seeds, on a few starts at each evaluation; the thick line is their "
         "interquartile mean, the band its bootstrap interval over seeds. Right of each panel are "

@@ -86,7 +86,7 @@ def standing(evidence: Evidence, transfer: str, reward: str) -> Standing | None:
     for link in NO_LEARNING:
         if found and link in found.links:
             ours = of_seeds(runs, found.seeds[link])
-            others[_no_learning(link)] = bootstrap([found.links[link]]), bootstrap([counts(ours)])
+            others[no_learning(link)] = bootstrap([found.links[link]]), bootstrap([counts(ours)])
     places: dict[str, dict[str, Interval]] = {"below": {}, "level": {}, "above": {}}
     for name, (one, lfr) in others.items():
         place = "below" if one.high < lfr.low else "above" if one.low > lfr.high else "level"
@@ -96,10 +96,11 @@ def standing(evidence: Evidence, transfer: str, reward: str) -> Standing | None:
 
 def expected_rivals(reward: str) -> list[str]:
     """The labels of those whom LfR has to be compared with on every transfer."""
-    return [*map(method_label, RIVALS[reward]), *map(_no_learning, NO_LEARNING)]
+    return [*map(method_label, RIVALS[reward]), *map(no_learning, NO_LEARNING)]
 
 
-def _no_learning(link: str) -> str:
+def no_learning(link: str) -> str:
+    """What a zero-shot link is called beside methods that learn."""
     return f"{link_label(link)} (no learning)"
 
 
@@ -141,7 +142,7 @@ def _reached(evidence: Evidence, transfer: str, reward: str, target: Target) -> 
     there = reached(ours, target)
     steps = steps_to_goal(evidence.of(transfer, OURS, reward), target.success)
     in_time = there and in_budget(ours, steps, target)
-    rivals = "; ".join(f"{name} {percent_interval(one)}" for name, one in place.in_the_way.items())
+    rivals = ", ".join(place.in_the_way)
     known = {**place.in_the_way, **place.below}
     whole = known.keys() >= set(expected_rivals(reward))
     above = "no" if place.in_the_way else "yes" if whole else "so far" if known else DASH

@@ -1,0 +1,157 @@
+"""What the evidence comes to, computed: does LfR need its mapping, its learning, its G?"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from lfr.evaluation.evidence.aggregate import Interval, Seeds, bootstrap
+from lfr.evaluation.evidence.names import method_label
+from lfr.evaluation.evidence.published import TASKS
+from lfr.evaluation.evidence.records import Evidence, counts
+from lfr.evaluation.evidence.reference import reference_sentence
+from lfr.evaluation.evidence.summary import OURS, summarise
+from lfr.evaluation.evidence.tables import DASH, percent, percent_interval
+from lfr.evaluation.evidence.targets import no_learning, standing
+from lfr.evaluation.tables import markdown
+
+WITHOUT_G = {
+    no_learning("identity"): "the source's prior and decoder, carried out by the target arm as "
+    "they are, without mapping and without learning",
+    method_label("ap"): "the source's prior and decoder, fine-tuned on the target arm, without "
+    "mapping",
+    method_label("shared_vae"): "one VAE for both arms, so nothing to map, fine-tuned",
+}
+"""Rivals that share everything with LfR but its mapping: label -> what they are."""
+
+
+def short_table(evidence: Evidence) -> str:
+    """LfR and what does without its mapping, a column for each task: IQM with its interval."""
+    rows: list[list[object]] = []
+    for method in (OURS, "ap", "shared_vae"):
+        for reward in evidence.rewards():
+            found = [evidence.of(transfer, method, reward) for transfer in TASKS]
+            rows.append([f"{method_label(method)}, {reward}",
+                         *(_cell(counts(runs) if runs else None) for runs in found)])  # fmt: skip
+    for label, link in (("LfR's start, no learning", "mapped"),
+                        (no_learning("identity"), "identity"),
+                        (no_learning("shared_vae"), "shared_vae")):  # fmt: skip
+        rows.append([label, *(_cell(_link(evidence, transfer, link)) for transfer in TASKS)])
+    measured = [row for row in rows if any(cell != DASH for cell in row[1:])]
+    if not measured:
+        return "Neither learning nor the zero-shot links have been run yet.\n"
+    return markdown(["", *TASKS.values()], measured)
+
+
+def findings(evidence: Evidence) -> str:
+    """One item for each question that the evidence can answer so far."""
+    items = [_rival(evidence, label, what) for label, what in WITHOUT_G.items()]
+    items += [_learning(evidence), _generator(evidence), _rotation(evidence)]
+    if evidence.reference:
+        items.append(f"**Is this SAC a fair baseline?** {reference_sentence(evidence.reference)}")
+    return "\n".join(f"- {item}" for item in items if item)
+
+
+def _rival(evidence: Evidence, label: str, what: str) -> str | None:
+    """Whether it does as well as LfR, over all tasks and rewards; None without a comparison."""
+    points: list[float] = []
+    places: dict[str, list[str]] = {"level": [], "above": [], "below": []}
+    for transfer, task in TASKS.items():
+        for reward in evidence.rewards():
+            place = standing(evidence, transfer, reward)
+            for name, named in places.items():
+                one: Interval | None = getattr(place, name).get(label) if place else None
+                if place and one:
+                    points.append(100 * (one.value - place.ours.value))
+                    named.append(f"{task}, {reward} ({percent(one.value)} against LfR's "
+                                 f"{percent(place.ours.value)})")  # fmt: skip
+    if not points:
+        return None
+    good, every = len(places["level"]) + len(places["above"]), len(points)
+    verdict = "does as well as LfR" if good else "does worse than LfR"
+    share = f"in {good or every} of {every}"
+    parts = [
+        f"**{label[0].upper()}{label[1:]} {verdict} {share} "
+        f"comparison{'s' * (every > 1)} of task and reward**: {what}. "
+        f"Its success is {_points(min(points), max(points))} LfR's."
+    ]
+    for said, named in (("Better: ", places["above"]), ("Worse: ", places["below"])):
+        parts += [f"{said}{'; '.join(named)}."] if named and good else []
+    return " ".join(parts)
+
+
+def _points(low: float, high: float) -> str:
+    """``1.0 points below to 2.7 above``"""
+    ends = [f"{abs(end):.1f} points {'below' if end < 0 else 'above'}" for end in (low, high)]
+    return ends[0] if ends[0] == ends[1] else " to ".join(ends)
+
+
+def _learning(evidence: Evidence) -> str | None:
+    """What learning adds to where LfR starts."""
+    parts = []
+    for transfer, task in TASKS.items():
+        for reward in evidence.rewards():
+            ours = summarise(evidence, transfer, OURS, reward)
+            if ours and ours.zero_shot is not None:
+                parts.append(f"{task}, {reward}: {percent(ours.zero_shot)} to "
+                             f"{percent(ours.mean.value)}")  # fmt: skip
+    if not parts:
+        return None
+    return f"**What learning adds to LfR**, mean over seeds before and after: {'; '.join(parts)}."
+
+
+def _generator(evidence: Evidence) -> str | None:
+    """With G and without it, before learning."""
+    parts = []
+    for transfer, task in TASKS.items():
+        with_g, without = (_link(evidence, transfer, link) for link in ("mapped", "no_generator"))
+        if with_g and without:
+            parts.append(f"{task}: {_cell(without)} without, {_cell(with_g)} with")
+    if not parts:
+        return None
+    return (
+        "**Without G and with it**, before any learning (links `no_generator` and `mapped`): "
+        f"{'; '.join(parts)}."
+    )
+
+
+def _rotation(evidence: Evidence) -> str | None:
+    """One arm mapped onto itself: what of the problem is the latents' own arbitrariness."""
+    parts = [
+        f"{task}: {_cell(found)}"
+        for transfer, task in TASKS.items()
+        if (found := _link(evidence, transfer, "between_seeds"))
+    ]
+    if not parts:
+        return None
+    return (
+        "**One arm, two VAE seeds** (link `between_seeds`): this mapping has nothing to bridge but "
+        f"the latents' arbitrary rotation. Success: {'; '.join(parts)}."
+    )
+
+
+def _link(evidence: Evidence, transfer: str, link: str) -> Seeds | None:
+    found = evidence.links.get(transfer)
+    return found.links.get(link) if found else None
+
+
+def _cell(found: Seeds | None) -> str:
+    return percent_interval(bootstrap([found])) if found else DASH
+
+
+def reasons(evidence: Evidence, methods: Iterable[str]) -> str:
+    """Why methods differ from the paper's figures, as far as something here was measured."""
+    items = []
+    starts = [
+        f"{task} {percent(float(found.rates.mean()))}"
+        for transfer, task in TASKS.items()
+        if (found := _link(evidence, transfer, "identity"))
+    ]
+    if "ap" in methods and starts:
+        items.append(
+            "- AP begins as the link `identity`, whose mean success before any learning is "
+            f"{', '.join(starts)}: under one Cartesian controller and one observation layout for "
+            "both arms. The paper does not say where its AP begins."
+        )
+    if "sac" in methods and evidence.reference:
+        items.append("- SAC: see its curve beside robosuite-benchmark's, above.")
+    return "\n".join(items)
