@@ -36,15 +36,19 @@ def report(evidence: Evidence) -> str:
     levels = ", ".join(f"{100 * level:.0f}" for level in LEVELS)
     return f"""# The evidence
 
-{_protocol(evidence)}
-
 ## In short
+
+![Final success of every method](headline.svg)
 
 Interquartile means over seeds with their intervals, in percent of held-out episodes. One does as
 well as LfR where the intervals overlap or its own is higher.
 
 {short_table(evidence)}
 {findings(evidence)}
+
+## How it was measured
+
+{_protocol(evidence)}
 
 ## What was to be reached
 
@@ -108,8 +112,8 @@ any step within the horizon. All environment steps count, the warm-up included. 
 Intervals are of 95 %. The interquartile mean (IQM) leaves out the lowest and the highest quarter
 of the seeds; its interval is a stratified bootstrap over seeds, and over the episodes of each
 (Agarwal et al. 2021; `lfr.evaluation.evidence.aggregate`), and never narrower than Wilson's of all
-episodes. Every number is computed from the files
-beside this one, by `python -m pipeline.paper.report`. ![Final success](headline.svg)"""
+episodes. Every number is computed from the files beside this one, by
+`python -m pipeline.paper.report`."""
 
 
 def _stock(evidence: Evidence) -> str:

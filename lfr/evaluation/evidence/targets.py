@@ -86,7 +86,7 @@ def standing(evidence: Evidence, transfer: str, reward: str) -> Standing | None:
 def expected_rivals(evidence: Evidence, reward: str) -> list[str]:
     """The labels of those whom LfR has to be compared with on every transfer.
 
-    The shared VAE learns under one reward, so none is expected where it has runs under others alone.
+    The shared VAE is not expected under a reward where it has runs under others alone.
     """
     rewards = {run.reward for run in evidence.runs if run.method == "shared_vae"}
     methods = (*BASELINES, *(["shared_vae"] if not rewards or reward in rewards else []))

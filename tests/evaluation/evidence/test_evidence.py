@@ -302,7 +302,7 @@ def test_the_report_says_plainly_who_needs_no_mapping(paper: Path) -> None:
     text = findings(read_evidence(paper))
     # sparse: 98.0 of five; dense: 82 of two, far below identity's 99
     assert "**Identity (no learning) does as well as LfR in 2 of 2 comparisons" in text
-    assert "1.0 points above to 17.0 points above LfR's" in text
+    assert "success is 1.0 to 17.0 points above LfR's" in text
     assert "Better: Lift, Panda, dense (99.0 against LfR's 82.0)" in text
     assert "**AP does as well as LfR in 1 of 1 comparison of" in text
     assert "28.0 points below LfR's" in text
