@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 from lfr.evaluation.evidence.claims import disagreements, standings, time_of_runs
 from lfr.evaluation.evidence.curves import LEVELS
-from lfr.evaluation.evidence.figures import FIGURES
+from lfr.evaluation.evidence.figures import FIGURES, others
 from lfr.evaluation.evidence.findings import findings, reasons, short_table
 from lfr.evaluation.evidence.published import TABLES, TASKS
 from lfr.evaluation.evidence.records import STAGES, Evidence
@@ -126,7 +126,11 @@ def _tables(evidence: Evidence) -> str:
 
 
 def _figures(evidence: Evidence) -> str:
-    shown = (*FIGURES, "reference") if evidence.reference else FIGURES
+    shown = [
+        name for name, figure in FIGURES.items()
+        if figure.links or others(figure, evidence)  # the paper's figures, or something to compare
+    ]  # fmt: skip
+    shown += ["reference"] if evidence.reference else []
     figures = [f"![{TITLES[name]}]({name}.svg)\n" for name in shown]
     about = (
         "Thin lines are seeds, on a few starts at each evaluation; the thick line is their "

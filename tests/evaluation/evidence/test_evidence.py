@@ -239,8 +239,9 @@ def test_stage_writes_everything_and_the_same_again(
         "table1.md", "table2.md", "table3.md", "questions.md", "report.md", "tables.json",
         "figure3.svg", "figure4.svg", "ablations.svg", "questions.svg", "headline.svg",
     }  # fmt: skip
-    for link in ("headline.svg", "figure3.svg", "questions.svg"):
+    for link in ("headline.svg", "figure3.svg"):
         assert f"({link})".encode() in written["report.md"]
+    assert b"(questions.svg)" not in written["report.md"]  # LfR alone would be in it
     assert shown_evidence(readme) == evidence_block()
     assert (shown_evidence(readme) == NOT_YET) is not whole
     assert readme.read_text().endswith(f"\n{END}\n\nThe rest.\n")
@@ -323,3 +324,10 @@ def test_a_shared_vae_is_missed_only_under_the_rewards_it_is_run_with(tmp_path: 
     evidence = read_evidence(tmp_path)
     assert "shared VAE" in expected_rivals(evidence, "sparse")
     assert "shared VAE" not in expected_rivals(evidence, "dense")
+
+
+def test_a_figure_is_shown_once_it_compares_something(paper: Path) -> None:
+    learned(paper, LIFT, "wrong_task", {"sparse": [3, 4, 5]})
+    text = report(read_evidence(paper))
+    assert "(questions.svg)" in text
+    assert "(ablations.svg)" not in text
