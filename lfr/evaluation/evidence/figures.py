@@ -85,14 +85,18 @@ def curve_figure(path: Path, figure: CurveFigure, evidence: Evidence) -> None:
             drawn.savefig(partial, format="svg", metadata={"Date": None})
 
 
+def others(figure: CurveFigure, evidence: Evidence) -> list[SeedRun]:
+    """The figure's runs that are not LfR's: without them it compares nothing."""
+    return [
+        run for run in evidence.runs
+        if run.transfer in figure.transfers and run.method in figure.methods and run.method != OURS
+    ]  # fmt: skip
+
+
 def _rewards(figure: CurveFigure, evidence: Evidence) -> list[str]:
     """Those under which LfR has company; all of them where it has none yet."""
-    found = [
-        reward for reward in evidence.rewards()
-        if any(run.reward == reward and run.transfer in figure.transfers
-               and run.method in figure.methods and run.method != OURS for run in evidence.runs)
-    ]  # fmt: skip
-    return found or evidence.rewards()
+    company = {run.reward for run in others(figure, evidence)}
+    return [reward for reward in evidence.rewards() if reward in company] or evidence.rewards()
 
 
 def _levels(panel: Panel, evidence: Evidence, transfer: str, links: Sequence[str]) -> None:

@@ -80,9 +80,12 @@ def _rival(evidence: Evidence, label: str, what: str) -> str | None:
 
 
 def _points(low: float, high: float) -> str:
-    """``1.0 points below to 2.7 above``"""
-    ends = [f"{abs(end):.1f} points {'below' if end < 0 else 'above'}" for end in (low, high)]
-    return ends[0] if ends[0] == ends[1] else " to ".join(ends)
+    """``1.0 points below to 2.7 above``, ``0.3 to 2.7 points above``; or one alone."""
+    sizes = [f"{abs(end):.1f}" for end in (low, high)]
+    sides = ["below" if end < 0 else "above" for end in (low, high)]
+    if sides[0] != sides[1]:
+        return f"{sizes[0]} points below to {sizes[1]} above"
+    return f"{' to '.join(dict.fromkeys(sizes))} points {sides[0]}"
 
 
 def _learning(evidence: Evidence) -> str | None:

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 from lfr.evaluation.evidence.claims import disagreements, standings, time_of_runs
 from lfr.evaluation.evidence.curves import LEVELS
-from lfr.evaluation.evidence.figures import FIGURES
+from lfr.evaluation.evidence.figures import FIGURES, others
 from lfr.evaluation.evidence.findings import findings, reasons, short_table
 from lfr.evaluation.evidence.published import TABLES, TASKS
 from lfr.evaluation.evidence.records import STAGES, Evidence
@@ -36,15 +36,19 @@ def report(evidence: Evidence) -> str:
     levels = ", ".join(f"{100 * level:.0f}" for level in LEVELS)
     return f"""# The evidence
 
-{_protocol(evidence)}
-
 ## In short
+
+![Final success of every method](headline.svg)
 
 Interquartile means over seeds with their intervals, in percent of held-out episodes. One does as
 well as LfR where the intervals overlap or its own is higher.
 
 {short_table(evidence)}
 {findings(evidence)}
+
+## How it was measured
+
+{_protocol(evidence)}
 
 ## What was to be reached
 
@@ -110,8 +114,8 @@ any step within the horizon. All environment steps count, the warm-up included. 
 Intervals are of 95 %. The interquartile mean (IQM) leaves out the lowest and the highest quarter
 of the seeds; its interval is a stratified bootstrap over seeds, and over the episodes of each
 (Agarwal et al. 2021; `lfr.evaluation.evidence.aggregate`), and never narrower than Wilson's of all
-episodes. Every number is computed from the files
-beside this one, by `python -m pipeline.paper.report`. ![Final success](headline.svg)"""
+episodes. Every number is computed from the files beside this one, by
+`python -m pipeline.paper.report`."""
 
 
 def _stock(evidence: Evidence) -> str:
@@ -124,7 +128,11 @@ def _tables(evidence: Evidence) -> str:
 
 
 def _figures(evidence: Evidence) -> str:
-    shown = (*FIGURES, "reference") if evidence.reference else FIGURES
+    shown = [
+        name for name, figure in FIGURES.items()
+        if figure.links or others(figure, evidence)  # the paper's figures, or something to compare
+    ]  # fmt: skip
+    shown += ["reference"] if evidence.reference else []
     figures = [f"![{TITLES[name]}]({name}.svg)\n" for name in shown]
     about = (
         "Thin lines are seeds, on a few starts at each evaluation; the thick line is their "

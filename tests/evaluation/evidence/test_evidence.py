@@ -285,8 +285,9 @@ def test_stage_writes_everything_and_the_same_again(
         "table1.md", "table2.md", "table3.md", "questions.md", "report.md", "tables.json",
         "figure3.svg", "figure4.svg", "ablations.svg", "questions.svg", "headline.svg",
     }  # fmt: skip
-    for link in ("headline.svg", "figure3.svg", "questions.svg"):
+    for link in ("headline.svg", "figure3.svg"):
         assert f"({link})".encode() in written["report.md"]
+    assert b"(questions.svg)" not in written["report.md"]  # LfR alone would be in it
     assert shown_evidence(readme) == evidence_block()
     assert (shown_evidence(readme) == NOT_YET) is not whole
     assert readme.read_text().endswith(f"\n{END}\n\nThe rest.\n")
@@ -348,7 +349,7 @@ def test_the_report_says_plainly_who_needs_no_mapping(paper: Path) -> None:
     text = findings(read_evidence(paper))
     # sparse: 98.0 of five; dense: 82 of two, far below identity's 99
     assert "**Identity (no learning) does as well as LfR in 2 of 2 comparisons" in text
-    assert "1.0 points above to 17.0 points above LfR's" in text
+    assert "success is 1.0 to 17.0 points above LfR's" in text
     assert "Better: Lift, Panda, dense (99.0 against LfR's 82.0)" in text
     assert "**AP does as well as LfR in 1 of 1 comparison of" in text
     assert "28.0 points below LfR's" in text
@@ -359,3 +360,10 @@ def test_the_report_says_plainly_who_needs_no_mapping(paper: Path) -> None:
     assert "**Identity (no learning) does worse than LfR in 2 of 2 comparisons" in worse
     assert findings(read_evidence(paper / "none")) == ""
     assert "been run yet" in short_table(read_evidence(paper / "none"))
+
+
+def test_a_figure_is_shown_once_it_compares_something(paper: Path) -> None:
+    learned(paper, LIFT, "wrong_task", {"sparse": [3, 4, 5]})
+    text = report(read_evidence(paper))
+    assert "(questions.svg)" in text
+    assert "(ablations.svg)" not in text

@@ -47,13 +47,14 @@ def test_sentence_by_hand(tmp_path: Path) -> None:
 
 
 def test_benchmark_is_as_measured() -> None:
-    """robosuite's documentation gives about 416 at the end: the mean of the last evaluations."""
+    """Five seeds to a million steps. A step's reward is at most 1; late, most of 500 is there."""
     found = read_reference(ROOT / BENCHMARK, ROOT / BENCHMARK)
     assert found is not None
     assert len(found.theirs) == 5
     assert found.ends[1] == 1_000_000
     late = [returns[steps > 8e5].mean() for steps, returns in found.theirs.values()]
-    assert 350 < np.mean(late) < 450
+    assert 250 < np.mean(late) < 500
+    assert all(returns.min() >= 0 and returns.max() <= 500 for _, returns in found.theirs.values())
 
 
 def test_nothing_is_shown_before_the_stage_has_run(tmp_path: Path) -> None:
