@@ -139,6 +139,20 @@ def test_killed_while_it_learns_and_resumed(project: Path, three_seeds: Path) ->
     assert found == expected
 
 
+def test_the_reference_is_killed_and_resumed(project: Path) -> None:
+    folder = project.with_name("reference")
+    shutil.copytree(project, folder, symlinks=True)
+    shutil.rmtree(folder / "work/paper-reference")
+    command = "dvc", "repro", "--single-item", "--force", f"{PIPELINE}:reference"
+    middle = "work/paper-reference/*/*/seed-*/checkpoints/*/config.json"
+    tiny_project.kill_when(folder, middle, *command)
+    name = PAPER / "reference/lift-panda.csv"
+    assert not (folder / name).exists()
+    tiny_project.run(folder, *command)
+    assert (folder / name).read_bytes() == (project / name).read_bytes()
+    assert not list((folder / "work/paper-reference").rglob("checkpoints"))
+
+
 def _with_another_seed(project: Path, name: str) -> Path:
     folder = project.with_name(name)
     shutil.copytree(project, folder, symlinks=True)
