@@ -49,8 +49,12 @@ class OtherTaskPrior(nn.Module):
         self.register_buffer("places", torch.tensor(found), persistent=False)
 
     def forward(self, observations: Tensor) -> tuple[Tensor, Tensor]:
+        return self.inner(self.asked(observations))
+
+    def asked(self, observations: Tensor) -> Tensor:
+        """What the inner prior is asked about, in its own layout, for observations (B, D)."""
         means = self.inner.normalizer.mean.expand(len(observations), -1)
-        return self.inner(torch.cat([observations, means], dim=-1)[:, self.places])
+        return torch.cat([observations, means], dim=-1)[:, self.places]
 
 
 OTHER_TASK = ModelKind(

@@ -8,6 +8,7 @@ bit for bit as one that was not.
 from __future__ import annotations
 
 import dataclasses
+import time
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -83,6 +84,7 @@ class TransferLoop:
         self.replay = Replay(params.replay, len(start.layout_names), start.latent_dim)
         self.progress = Progress()
         self.worker = ThreadPoolExecutor(1, "acting")
+        self._began, self._before = time.perf_counter(), 0.0
         self.curve: list[CurvePoint] = []
         self.means = Means()  # since the last evaluation
         self.identity = plain({"params": plain(params), "seed": seed, "layout": start.layout_names})
@@ -127,6 +129,11 @@ class TransferLoop:
             if outcome.over:
                 self._end(episode, valid=outcome.valid)
                 self._begin(episode)
+
+    @property
+    def seconds(self) -> float:
+        """Wall-clock spent so far, that of earlier processes up to their last checkpoint too."""
+        return self._before + time.perf_counter() - self._began
 
     def _execute(self, actions: Array) -> list[Outcome]:
         """The skills (simulations, n, A), one in each simulation."""
@@ -240,6 +247,7 @@ class TransferLoop:
             "curve": [dataclasses.asdict(point) for point in self.curve],
             "means": self.means.state(),
             "episodes": [counts for _, _, counts in suspended],
+            "seconds": self.seconds,
         }
         return content, tensors
 
@@ -252,6 +260,7 @@ class TransferLoop:
         self.replay.load_state(_part(tensors, "replay."))
         self.progress = Progress(**content["progress"])
         self.curve = [CurvePoint(**point) for point in content["curve"]]
+        self._before = content["seconds"]
         self.means.load_state(content["means"])
         self._restore_episodes(content, tensors)
         return True

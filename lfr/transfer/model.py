@@ -13,6 +13,7 @@ from lfr.skills.artifacts import PRIOR, VAE
 from lfr.transfer.actor import OneAction, SkillActor
 from lfr.transfer.distribution import GAUSSIAN, distribution
 from lfr.transfer.policy import IdentityMap, MappedPolicy, StandardNormal
+from lfr.transfer.sighted import SightedPolicy
 
 KIND = "transferred_policy"
 # The networks that an actor consists of.
@@ -23,6 +24,7 @@ PARTS: dict[str, ModelKind[Any]] = {
         GENERATOR,
         VAE,
         OTHER_TASK,
+        ModelKind("sighted_policy", SightedPolicy, OTHER_TASK.shape),
         ModelKind("identity_map", IdentityMap, ()),
         ModelKind("standard_normal", StandardNormal, ("latent_dim",)),
         ModelKind("one_action", OneAction, ("latent_dim",)),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import time
 from pathlib import Path
 from typing import Any
 
@@ -54,8 +53,9 @@ def train(
         about: what else is stored with the policy: transfer, method, revisions.
 
     Returns:
-        JSON-able: seed, env_steps, updates, episodes, seconds (of this process, after the last
-        resume) and the curve, a list of `CurvePoint` as mappings, its first point before any RL.
+        JSON-able: seed, env_steps, updates, episodes, seconds (of learning, also in processes that
+        were killed, up to their last checkpoint) and the curve, a list of `CurvePoint` as mappings,
+        its first point before any RL.
 
     Raises:
         UnknownNameError: unknown robot or task.
@@ -63,7 +63,6 @@ def train(
     """
     from lfr.sim.simulation import Simulation
 
-    began = time.perf_counter()
     simulations = [Simulation(robot, task) for _ in range(params.simulations)]
     names = simulations[0].layout.names
     if names != start.layout_names:
@@ -84,6 +83,6 @@ def train(
         "env_steps": loop.progress.env_steps,
         "updates": loop.progress.updates,
         "episodes": loop.progress.episodes,
-        "seconds": time.perf_counter() - began,
+        "seconds": loop.seconds,
         "curve": curve,
     }

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ from lfr.artifacts import file_hash, fingerprint
 from lfr.evaluation.trials import Trial, run_trial, shards_of
 from lfr.scenarios import Transfer
 from lfr.transfer.actor import SkillActor
+from lfr.transfer.methods import VARIANTS as NEEDED
 from lfr.transfer.methods import start_of
 from lfr.transfer.methods.start import TrainedModels
 from lfr.transfer.model import load_policy, save_policy
@@ -55,17 +55,13 @@ class RunFiles:
 
 
 def paper_run(
-    transfer: Transfer,
-    method: str,
-    seed: int,
-    params: TransferParams,
-    work: Path,
-    *,
-    variants: bool,
+    transfer: Transfer, method: str, seed: int, params: TransferParams, work: Path
 ) -> PaperRun:
-    """The run for these models as they are; ``variants``: it may start from one of those too."""
-    roots = (MODELS, VARIANTS) if variants else (MODELS,)
-    digest = fingerprint(*(file_hash(root / transfer.name / f"seed-{seed}") for root in roots))
+    """The run for the models as they are: those of its seed, and the variant that it needs."""
+    folders = [MODELS / transfer.name / f"seed-{seed}"]
+    if method in NEEDED:
+        folders.append(VARIANTS / transfer.name / f"seed-{seed}" / NEEDED[method])
+    digest = fingerprint(*(file_hash(folder) for folder in folders))
     return PaperRun(transfer, method, seed, params, digest, str(work))
 
 
@@ -101,6 +97,6 @@ def learn(run: PaperRun) -> dict[str, Any]:
     described = {"robot": transfer.target, "task": transfer.task, "seed": run.seed}
     save_policy(folder / "initial", start.actor, {**described, **about})
     return train(
-        start, transfer.target, transfer.task, dataclasses.replace(run.params), run.seed,
+        start, transfer.target, transfer.task, run.params, run.seed,
         out=folder / "policy", work=folder / "checkpoints", about=about,
     )  # fmt: skip

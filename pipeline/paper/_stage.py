@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import shutil
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from lfr.artifacts import write_whole
 from lfr.errors import ParameterError
 from lfr.params import read_section
 
@@ -22,7 +25,7 @@ class PaperSeeds:
     Attributes:
         tables: of the methods in Tables I and II.
         questions: of all else; some of them, since their models are the tables' with a part
-            replaced. One mapping leads from each to the next, so they are two or more.
+            replaced. One mapping leads from each to the next one of tables.
     """
 
     tables: tuple[int, ...]
@@ -32,14 +35,15 @@ class PaperSeeds:
         for name, seeds in (("tables", self.tables), ("questions", self.questions)):
             if not seeds or len(set(seeds)) != len(seeds):
                 raise ParameterError(f"{name} must name each seed once, found {seeds}")
-        if len(self.questions) < 2 or not set(self.questions) <= set(self.tables):
+        if len(self.tables) < 2 or not set(self.questions) <= set(self.tables):
             raise ParameterError(
-                f"questions must name two or more of tables' seeds, found {self.questions}"
+                f"tables must name two seeds or more, and questions some of them, "
+                f"found {self.tables} and {self.questions}"
             )
 
     def after(self, seed: int) -> int:
-        """The seed of ``questions`` that follows ``seed``, the first one after the last."""
-        return self.questions[(self.questions.index(seed) + 1) % len(self.questions)]
+        """The seed of ``tables`` that follows ``seed``, the first one after the last."""
+        return self.tables[(self.tables.index(seed) + 1) % len(self.tables)]
 
 
 @dataclass(frozen=True)
@@ -70,3 +74,10 @@ def paper_seeds() -> PaperSeeds:
 def judging() -> Judging:
     """The section ``judging`` of paper/params.yaml."""
     return read_section(Judging, "judging", PARAMS)
+
+
+def seeds_into(out: Path, folders: Mapping[int, Path | str]) -> None:
+    """Copy each seed's finished models to ``out``/seed-<n>, all of them or none."""
+    with write_whole(out) as partial:
+        for seed, folder in folders.items():
+            shutil.copytree(folder, partial / f"seed-{seed}")

@@ -12,8 +12,9 @@ from lfr.scenarios import scenario as scenario_named
 from lfr.scenarios import transfer as transfer_named
 from lfr.skills.demonstrations import DATASETS
 from lfr.skills.params import SkillsParams
-from pipeline._stage import models_into, rows_of, unfinished_work, write_metrics
-from pipeline.paper._stage import IMITATORS, PARAMS, judging, paper_seeds
+from pipeline._stage import rows_of, unfinished_work
+from pipeline.paper._spent import Spent
+from pipeline.paper._stage import IMITATORS, PARAMS, judging, paper_seeds, seeds_into
 
 CODE = (
     "lfr.imitation", "lfr.skills.artifacts", "lfr.skills.prior", "lfr.models", "lfr.data",
@@ -33,6 +34,7 @@ def main(transfer: str) -> None:
     inputs = rows_of([DATASETS / f"{chosen.source}-{chosen.task}"])
     work = unfinished_work("paper-imitate", transfer, scenario, params, held_out, *inputs,
                            code=CODE)  # fmt: skip
+    spent = Spent(work)
     models = work / "models"
     folders = {seed: str(models / f"seed-{seed}") for seed in seeds}
 
@@ -52,7 +54,7 @@ def main(transfer: str) -> None:
         judged[seed, "own_arm"] = trial(seed, chosen.source, judges.episodes, "engine")
     fitted, found = train_and_judge(policies, judged, work, f"imitate {transfer}")
 
-    models_into(IMITATORS / transfer, models)
+    seeds_into(IMITATORS / transfer, folders)
     datasets = fitted[seeds[0]]["datasets"]
     runs = [
         {
@@ -73,7 +75,7 @@ def main(transfer: str) -> None:
         "runs": runs,
         "datasets": datasets,
     }
-    write_metrics("paper/imitate", transfer, about)
+    spent.write("imitate", transfer, about)
 
 
 if __name__ == "__main__":

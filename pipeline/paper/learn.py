@@ -13,9 +13,10 @@ from lfr.jobs import run_jobs
 from lfr.program import run_stage
 from lfr.scenarios import transfer as transfer_named
 from lfr.transfer.methods import method as method_named
-from pipeline._stage import unfinished_work, write_metrics
+from pipeline._stage import unfinished_work
 from pipeline.paper._plan import learning
 from pipeline.paper._runs import PaperRun, judgements, paper_run, run_part
+from pipeline.paper._spent import Spent
 from pipeline.paper._stage import POLICIES, judging, paper_seeds
 
 CODE = (
@@ -34,9 +35,9 @@ def main(transfer: str, method: str) -> None:
     name = f"{transfer}-{method}"
     # A run names its models and parameters itself, so another seed runs its own jobs alone.
     work = unfinished_work("paper-learn", name, code=CODE)
-    variants = plan.group(method) != "tables"
+    spent = Spent(work)
     runs = [
-        paper_run(chosen, method, seed, plan.params_of(method, reward), work, variants=variants)
+        paper_run(chosen, method, seed, plan.params_of(method, reward), work)
         for seed in plan.seeds_of(method, paper_seeds())
         for reward in plan.rewards_of(method)
     ]
@@ -70,7 +71,7 @@ def main(transfer: str, method: str) -> None:
             for place, (run, result) in enumerate(zip(runs, learned, strict=True))
         ],
     }  # fmt: skip
-    write_metrics("paper/learn", name, about)
+    spent.write("learn", name, about)
     for run in runs:  # the replay buffers: large, and of no more use
         shutil.rmtree(run.folder / "checkpoints", ignore_errors=True)
 

@@ -14,8 +14,9 @@ from lfr.scenarios import visible_tasks
 from lfr.skills.demonstrations import DATASETS
 from lfr.skills.models import fit_model, model_jobs, model_report, roles_of
 from lfr.skills.params import SkillsParams
-from pipeline._stage import models_into, rows_of, unfinished_work, write_metrics
-from pipeline.paper._stage import MODELS, paper_seeds
+from pipeline._stage import rows_of, unfinished_work
+from pipeline.paper._spent import Spent
+from pipeline.paper._stage import MODELS, paper_seeds, seeds_into
 
 CODE = (
     "lfr.skills", "lfr.mapping", "lfr.models", "lfr.data", "lfr.columns", "lfr.scenarios",
@@ -38,6 +39,7 @@ def main(transfer: str) -> None:
     work = unfinished_work(
         "paper-models", transfer, scenario, skills, mapping, *inputs, code=CODE
     )  # fmt: skip
+    spent = Spent(work)
     models = work / "models"
     folders = {seed: models / f"seed-{seed}" for seed in paper_seeds().tables}
 
@@ -60,12 +62,12 @@ def main(transfer: str) -> None:
     ]
     mapped = run_jobs(fit_mapping, mappings, work=work, description=title, unit="mapping")
 
-    models_into(MODELS / transfer, models)
+    seeds_into(MODELS / transfer, folders)
     runs = [
         {"seed": seed, "skills": model_report(trained[place], fitted[place]), "mapping": report}
         for (seed, place), report in zip(places.items(), mapped, strict=True)
     ]
-    write_metrics("paper/models", transfer, {"runs": runs})
+    spent.write("models", transfer, {"runs": runs})
 
 
 if __name__ == "__main__":

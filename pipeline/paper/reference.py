@@ -30,8 +30,9 @@ from lfr.transfer.methods.start import TrainedModels
 from lfr.transfer.observer import CurvePoint, Observer
 from lfr.transfer.params import TransferParams
 from lfr.transfer.train import Reported
-from pipeline._stage import unfinished_work, write_metrics
+from pipeline._stage import unfinished_work
 from pipeline.paper._plan import learning
+from pipeline.paper._spent import Spent
 from pipeline.paper._stage import MODELS, PARAMS, paper_seeds
 
 CODE = (
@@ -90,6 +91,7 @@ def main() -> None:
     wanted = from_mapping(ReferenceParams, read_yaml(PARAMS).get("reference", {}), where)
     params = replace(learning().params_of("sac", "dense"), steps=wanted.steps)
     work = unfinished_work("paper-reference", TRANSFER, code=CODE)
+    spent = Spent(work)
     folders = {seed: MODELS / TRANSFER / f"seed-{seed}" for seed in paper_seeds().questions}
     jobs = [
         ReferenceRun(chosen, seed, params, wanted, str(folder), file_hash(folder), str(work))
@@ -106,7 +108,7 @@ def main() -> None:
         writer.writerows(rows)
     last = [row["mean_return"] for row in rows if row["env_steps"] >= wanted.steps]
     about = {"env_steps": wanted.steps, "last_returns": last}
-    write_metrics("paper/reference", "lift-panda", about)
+    spent.write("reference", "lift-panda", about)
     for job in jobs:  # the replay buffers: large, and of no more use
         shutil.rmtree(job.folder, ignore_errors=True)
 

@@ -7,7 +7,8 @@ from lfr.evaluation.questions import model_trials, variant_trials
 from lfr.evaluation.trials import success_rates
 from lfr.program import run_stage
 from lfr.scenarios import transfer as transfer_named
-from pipeline._stage import unfinished_work, write_metrics
+from pipeline._stage import unfinished_work
+from pipeline.paper._spent import Spent
 from pipeline.paper._stage import MODELS, VARIANTS, judging, paper_seeds
 
 CODE = (
@@ -35,6 +36,7 @@ def main(transfer: str) -> None:
         trials |= {(seed, name): trial for name, trial in found.items()}
     # A trial names its policy by content, so that another seed runs its own trials alone.
     work = unfinished_work("paper-zero-shot", transfer, code=CODE)
+    spent = Spent(work)
     named = {f"{seed}/{name}": trial for (seed, name), trial in trials.items()}
     success = success_rates(named, work, f"paper zero-shot {transfer}")
 
@@ -43,7 +45,7 @@ def main(transfer: str) -> None:
         runs = links.setdefault(name, {"runs": []})["runs"]
         runs.append({"seed": seed, **success[f"{seed}/{name}"]})
     about = {"source": chosen.source, "target": chosen.target, "task": chosen.task}
-    write_metrics("paper/zero_shot", transfer, {"transfer": transfer, **about, "links": links})
+    spent.write("zero_shot", transfer, {"transfer": transfer, **about, "links": links})
 
 
 if __name__ == "__main__":

@@ -22,7 +22,7 @@ def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     for seed in (0, 1):
         _write(MODELS, f"seed-{seed}/skills/source/vae/model", f"models {seed}")
-        _write(VARIANTS, f"seed-{seed}/linear/g/model", f"variants {seed}")
+        _write(VARIANTS, f"seed-{seed}/shared_vae/vae/model", f"variants {seed}")
     return tmp_path
 
 
@@ -36,7 +36,8 @@ def _run(
     seed: int = 0, params: TransferParams | None = None, *, variants: bool = False
 ) -> PaperRun:
     params = params or TransferParams()
-    return paper_run(TRANSFER, "lfr", seed, params, Path("work"), variants=variants)
+    method = "shared_vae" if variants else "lfr"
+    return paper_run(TRANSFER, method, seed, params, Path("work"))
 
 
 def test_a_runs_folder_says_reward_and_seed(project: Path) -> None:
@@ -67,7 +68,10 @@ def test_variants_matter_to_those_that_start_from_them_alone(project: Path) -> N
     table, question = _run(), _run(variants=True)
     _write(VARIANTS, "seed-0/shared_vae/vae/model", "a new one")
     assert _run() == table
-    assert _run(variants=True).folder != question.folder
+    changed = _run(variants=True)
+    assert changed.folder != question.folder
+    _write(VARIANTS, "seed-0/linear/g/model", "that no run starts from")
+    assert _run(variants=True) == changed
 
 
 def test_another_seed_leaves_the_runs_there_are(project: Path) -> None:

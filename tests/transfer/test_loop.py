@@ -124,8 +124,8 @@ def test_every_step_is_on_the_axis_and_updates_follow_the_ratio(artifacts, param
 def test_a_trivial_task_is_learned(artifacts, params, reward):
     """The prior knows nothing and hardly ever succeeds by its mean; a few seconds later it does."""
     learning = dataclasses.replace(
-        params, steps=1200, reward=reward, dense_scale=0.1, target_divergence=8.0, initial_alpha=0.01,
-        policy_lr=3e-3, critic_lr=3e-3, replay=2000, critic_hidden=(32, 32),
+        params, steps=1200, reward=reward, dense_scale=0.1, target_divergence=8.0,
+        initial_alpha=0.01, policy_lr=3e-3, critic_lr=3e-3, replay=2000, critic_hidden=(32, 32),
         evaluate_every=1200, evaluation_episodes=20, simulations=4,
     )  # fmt: skip
     curve = _loop(artifacts, learning).run()

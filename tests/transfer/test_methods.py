@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import torch
 
+from lfr.ablations.other_task import OtherTaskPrior, save_other_task
 from lfr.errors import DataError
 from lfr.mapping.artifacts import MappingSeen, save_generator
 from lfr.mapping.generator import Generator
@@ -106,6 +107,35 @@ def test_sac_learns_a_trivial_task(models, params):
     simulations = [PointSimulation() for _ in range(learning.simulations)]
     curve = TransferLoop(start, simulations, learning, 0).run()
     assert curve[-1].success >= 0.9
+
+
+def test_who_begins_with_another_tasks_prior_sees_everything(models, params, tmp_path):
+    """The prior that it is held near does not; SPiRL's policy may still learn to seek a goal."""
+    torch.manual_seed(5)
+    inner = SkillPrior(("x_pos", "goal_to_x"), latent_dim=4, hidden=16, layers=2)
+    prior = OtherTaskPrior(NAMES, inner.layout_names, (0, 2), 4, 16, 2)
+    prior.inner.load_state_dict(inner.state_dict())
+    seen = Seen("s", "a", "source", ("lift",), {}, 0)
+    save_other_task(tmp_path / "variants" / "any_task" / "prior", prior, seen)
+    start = start_of("spirl", models, params, 0)
+    observation = torch.randn(64, 3)
+    blind = start.actor.prior(observation)
+    torch.testing.assert_close(start.actor.policy(observation), blind)
+    moved = observation.clone()
+    moved[:, 1] += 1.0  # goal_pos, which the prior knows nothing of
+    torch.testing.assert_close(start.actor.prior(moved), blind)
+    optimizer = torch.optim.Adam([p for p in start.actor.policy.parameters() if p.requires_grad])
+    for _ in range(300):  # to answer with the goal
+        optimizer.zero_grad()
+        mu, _ = start.actor.policy(observation)
+        loss = (mu[:, 0] - observation[:, 1]).square().mean()
+        loss.backward()
+        optimizer.step()
+    assert float(loss.detach()) < 0.1
+    save_policy(tmp_path / "policy", start.actor, {})
+    again, _ = load_policy(tmp_path / "policy")
+    torch.testing.assert_close(again.policy(observation), start.actor.policy(observation))
+    torch.testing.assert_close(again.prior(observation), blind)
 
 
 def test_a_missing_ablation_is_named(models, params):

@@ -10,6 +10,7 @@ from collections.abc import Callable
 
 import torch
 
+from lfr.artifacts import fingerprint
 from lfr.errors import UnknownNameError
 from lfr.tasks import TASKS
 from lfr.transfer.methods.adapted import ap, no_generator
@@ -34,6 +35,14 @@ METHODS: dict[str, Method] = {
     "wrong_task": wrong_task,
 }
 
+VARIANTS = {
+    **{f"only_{task}": f"only_{task}" for task in TASKS},
+    "spirl": "any_task",
+    "shared_vae": "shared_vae",
+    "wrong_task": "wrong_task",
+}
+"""What a method needs of `lfr.ablations`; those that are not here need nothing of it."""
+
 
 def method(name: str) -> Method:
     """The method called ``name``.
@@ -54,5 +63,5 @@ def start_of(name: str, models: TrainedModels, params: TransferParams, seed: int
         DataError: it needs a model that is missing or damaged.
     """
     with torch.random.fork_rng(devices=[]):
-        torch.manual_seed(seed)
+        torch.manual_seed(int(fingerprint("start", seed), 16) % 2**31)  # not the critics' stream
         return method(name)(models, params)

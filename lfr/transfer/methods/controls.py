@@ -10,6 +10,7 @@ from lfr.skills.artifacts import load_prior, load_vae
 from lfr.transfer.methods.start import Start, TrainedModels, start_from
 from lfr.transfer.params import TransferParams
 from lfr.transfer.policy import IdentityMap
+from lfr.transfer.sighted import sighted
 
 
 def only(task: str) -> Callable[[TrainedModels, TransferParams], Start]:
@@ -32,5 +33,6 @@ def shared_vae(models: TrainedModels, params: TransferParams) -> Start:
 def wrong_task(models: TrainedModels, params: TransferParams) -> Start:
     """The source's prior of another task, mapped: what is it worth to know the right one?"""
     prior = load_other_task(models.variant("wrong_task") / "prior")
-    reference = models.source_prior()
-    return start_from(prior, models.generator(), models.target_vae(), params, reference)
+    reference, vae = models.source_prior(), models.target_vae()
+    pi = sighted(prior, reference)  # what the wrong task has not, the policy sees all the same
+    return start_from(prior, models.generator(), vae, params, reference, pi)

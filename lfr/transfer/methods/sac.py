@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from lfr.transfer.actor import OneAction, SkillActor
 from lfr.transfer.distribution import SQUASHED
-from lfr.transfer.methods.start import Start, TrainedModels, new_policy
+from lfr.transfer.methods.start import Start, TrainedModels, new_pi
 from lfr.transfer.params import TransferParams
 from lfr.transfer.policy import IdentityMap, MappedPolicy, StandardNormal
 
@@ -22,8 +22,10 @@ def sac(models: TrainedModels, params: TransferParams) -> Start:
     """
     reference = models.source_prior()
     actions = models.target_vae().action_dim
+    hidden = params.critic_hidden
+    pi = new_pi(reference, actions, hidden[0], len(hidden))
     actor = SkillActor(
-        policy=new_policy(reference, actions, params.critic_hidden[0], len(params.critic_hidden)),
+        policy=MappedPolicy(pi, IdentityMap()),
         prior=MappedPolicy(StandardNormal(actions), IdentityMap()),
         decoder=OneAction(actions),
         distribution=SQUASHED,

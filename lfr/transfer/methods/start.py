@@ -17,7 +17,7 @@ from lfr.skills.prior import SkillPrior
 from lfr.skills.vae import SkillVAE
 from lfr.transfer.actor import SkillActor
 from lfr.transfer.params import TransferParams
-from lfr.transfer.policy import IdentityMap, MappedPolicy, frozen_prior, initial_policy
+from lfr.transfer.policy import frozen_prior, initial_policy
 
 
 @dataclass(frozen=True)
@@ -88,6 +88,7 @@ def start_from(
     decoder: SkillVAE,
     params: TransferParams,
     reference: SkillPrior,
+    pi: nn.Module | None = None,
 ) -> Start:
     """phi o pi with pi = ``prior`` to begin with (Eq. 7), held near phi o ``prior`` (Eq. 9).
 
@@ -97,17 +98,18 @@ def start_from(
         decoder: of the arm that acts.
         reference: the source's prior of the new task: whatever the method, the critics see the
             observation in its units.
+        pi: begins instead of ``prior``.
     """
     actor = SkillActor(
-        policy=initial_policy(prior, phi, train_phi=params.train_phi),
+        policy=initial_policy(pi or prior, phi, train_phi=params.train_phi),
         prior=frozen_prior(prior, phi),
         decoder=copy.deepcopy(decoder).requires_grad_(False).eval(),
     )
     return Start(actor, reference.normalizer, reference.layout_names)
 
 
-def new_policy(reference: SkillPrior, latent_dim: int, hidden: int, layers: int) -> MappedPolicy:
+def new_pi(reference: SkillPrior, latent_dim: int, hidden: int, layers: int) -> SkillPrior:
     """A policy that has learned nothing; it sees the observation in the reference's units."""
     pi = SkillPrior(reference.layout_names, latent_dim, hidden, layers)
     pi.normalizer.load_state_dict(reference.normalizer.state_dict())
-    return MappedPolicy(pi, IdentityMap())
+    return pi
