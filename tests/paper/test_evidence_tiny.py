@@ -7,12 +7,16 @@ import shutil
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from dvc.repo import Repo
 
 from lfr.artifacts import read_json
+from lfr.data.episode import ACTION
+from lfr.data.log_reader import read_log
 from lfr.evaluation.evidence.records import read_evidence
 from lfr.params import read_yaml
+from lfr.skills.artifacts import load_vae
 
 from .. import tiny_project
 
@@ -46,7 +50,7 @@ def three_seeds(project: Path) -> Path:
 def test_all_results_are_there(project: Path) -> None:
     with Repo(str(project)) as repo:
         outs = [Path(out.fs_path) for stage in repo.index.stages for out in stage.outs]
-    assert {out.relative_to(project).parts[0] for out in outs} == {"models", "results"}
+    assert {out.relative_to(project).parts[0] for out in outs} == {"data", "models", "results"}
     assert len(outs) == len(set(outs)) > 30
     assert [out for out in outs if not out.exists()] == []
     assert [out for out in outs if out.is_file() and not out.stat().st_size] == []
@@ -93,6 +97,27 @@ def test_the_reference_goes_to_its_end(project: Path) -> None:
         assert steps[0] == 0
         assert steps == sorted(set(steps))
         assert steps[-1] >= 300
+
+
+def test_plain_links_are_of_their_own_models_and_demonstrations(project: Path) -> None:
+    """As many starts as ours, whole skills, logs undisturbed and without pictures."""
+    plan, evidence = read_yaml(project / "paper/params.yaml"), read_evidence(project / PAPER)
+    plain = evidence.plain[TRANSFER]
+    assert list(plain.links) == ["own_arm", "oracle", "identity", "recoded", "mapped"]
+    assert set(plain.seeds.values()) == {tuple(plan["seeds"]["questions"])}
+    judged = {count for link in plain.links.values() for count in link.episodes}
+    assert judged == {plan["judging"]["episodes"]}
+    for kind, executed in (("paper", 5), ("paper-plain", 10)):
+        vaes = sorted((project / "models" / kind / TRANSFER).glob("seed-*/skills/*/vae"))
+        assert len(vaes) == 3 * len(plan["seeds"]["questions"])
+        assert {load_vae(vae).execute for vae in vaes} == {executed}
+    for kind, disturbed in (("data", True), ("data/paper-plain", False)):
+        (log, *_) = sorted((project / kind / "logs/panda-lift").glob("*.mcap"))
+        episode = read_log(log)
+        assert episode.executed_action is not None
+        same = np.allclose(episode.features[ACTION], episode.executed_action, atol=1e-6)
+        assert same is not disturbed
+        assert bool(episode.images) <= disturbed
 
 
 def test_a_second_time_nothing_runs(project: Path) -> None:

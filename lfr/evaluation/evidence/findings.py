@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 from lfr.evaluation.evidence.aggregate import Interval, Seeds, bootstrap
 from lfr.evaluation.evidence.names import method_label
+from lfr.evaluation.evidence.plain import reason_for_ap
 from lfr.evaluation.evidence.published import TASKS
 from lfr.evaluation.evidence.records import Evidence, counts
 from lfr.evaluation.evidence.reference import reference_sentence
@@ -155,6 +156,7 @@ def reasons(evidence: Evidence, methods: Iterable[str]) -> str:
             f"{', '.join(starts)}: under one Cartesian controller and one observation layout for "
             "both arms. The paper does not say where its AP begins."
         )
+        items += filter(None, [reason_for_ap(evidence)])
     if "sac" in methods and evidence.reference:
         items.append("- SAC: see its curve beside robosuite-benchmark's, above.")
     return "\n".join(items)

@@ -20,7 +20,11 @@ from lfr.evaluation.records import RESULTS, StageRun
 from lfr.evaluation.statistics import success_of
 
 PAPER = RESULTS / "paper"
-STAGES = ("models", "variants", "zero_shot", "imitate", "learn", "reference")  # as they are run
+# as they are run
+STAGES = (
+    "models", "variants", "zero_shot", "imitate", "learn", "reference", "plain_demonstrations",
+    "plain",
+)  # fmt: skip
 STOCK = "robosuite"
 
 
@@ -91,12 +95,14 @@ class Evidence:
 
     Attributes:
         links: transfer -> links.
+        plain: the same of models that learned from plain demonstrations.
         stages: stage -> key -> its last run.
         reference: SAC beside robosuite-benchmark's; None before both are there.
     """
 
     runs: tuple[SeedRun, ...] = ()
     links: dict[str, Links] = field(default_factory=dict)
+    plain: dict[str, Links] = field(default_factory=dict)
     stages: dict[str, dict[str, StageRun]] = field(default_factory=dict)
     reference: Reference | None = None
 
@@ -150,9 +156,9 @@ def read_evidence(paper: Path = PAPER) -> Evidence:
     if twice:
         raise DataError("a seed is there twice", file=paper, found=twice[0], expected="one run")
     ordered = tuple(run for _, run in sorted(zip(keys, runs, strict=True), key=lambda one: one[0]))
-    links = [_links(content) for _, content in _files(paper / "zero_shot")]
     reference = read_reference(paper / "reference" / "lift-panda.csv")
-    return Evidence(ordered, {one.transfer: one for one in links}, _stages(paper), reference)
+    links, plain = (_all_links(paper / stage) for stage in ("zero_shot", "plain"))
+    return Evidence(ordered, links, plain, _stages(paper), reference)
 
 
 def _learned(folder: Path) -> list[SeedRun]:
@@ -198,6 +204,12 @@ def _seed_run(about: dict[str, Any], run: dict[str, Any], learned: dict[str, Any
         stock=stock["rate"] if stock else None,
         stock_episodes=stock["episodes"] if stock else None, seconds=run.get("seconds"), **learned,
     )  # fmt: skip
+
+
+def _all_links(folder: Path) -> dict[str, Links]:
+    """transfer -> links"""
+    found = [_links(content) for _, content in _files(folder)]
+    return {one.transfer: one for one in found}
 
 
 def _links(content: dict[str, Any]) -> Links:

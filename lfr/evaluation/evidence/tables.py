@@ -128,12 +128,13 @@ def questions_table(evidence: Evidence) -> str:
     names = in_order((link for one in found if one for link in one.links), LINKS)
     header = ["link", "what it asks", *TASKS.values()]
     rows = [
-        [f"`{name}`", LINKS.get(name, ""), *(_link(one, name) for one in found)] for name in names
+        [f"`{name}`", LINKS.get(name, ""), *(link_cell(one, name) for one in found)]
+        for name in names
     ]
     return markdown(header, rows)
 
 
-def _link(found: Links | None, name: str) -> str:
+def link_cell(found: Links | None, name: str) -> str:
     """``97.5 [95.0, 98.8] (98, 97)``: the mean with its bootstrap interval, and each seed."""
     if found is None or name not in found.links:
         return DASH

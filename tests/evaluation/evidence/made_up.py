@@ -56,10 +56,13 @@ def imitated(paper: Path, transfer: str, successes: Sequence[int]) -> None:
     write_json(paper / "imitate" / f"{transfer}.json", {**about, **RUN})
 
 
-def zero_shot(paper: Path, transfer: str, links: Mapping[str, Sequence[int]]) -> None:
+def zero_shot(
+    paper: Path, transfer: str, links: Mapping[str, Sequence[int]], stage: str = "zero_shot"
+) -> None:
+    """Success of links, a seed each, as ``stage`` writes it: "zero_shot" or "plain"."""
     found = {
         link: {"runs": [{"seed": seed, **rate(count)} for seed, count in enumerate(counts)]}
         for link, counts in links.items()
     }
-    write_json(paper / "zero_shot" / f"{transfer}.json",
+    write_json(paper / stage / f"{transfer}.json",
                {"transfer": transfer, "links": found, **RUN})  # fmt: skip

@@ -1,0 +1,118 @@
+"""The zero-shot links once more with plain demonstrations and models that take them as they are.
+
+Plain is the paper's reading of what docs/method.md adds to it: section ``plain`` of
+paper/params.yaml.
+"""
+
+from __future__ import annotations
+
+from lfr.evaluation.evidence.aggregate import Interval, Seeds, bootstrap, mean
+from lfr.evaluation.evidence.names import LINKS, in_order
+from lfr.evaluation.evidence.published import PUBLISHED, TASKS
+from lfr.evaluation.evidence.records import Evidence, Links
+from lfr.evaluation.evidence.tables import link_cell, percent
+from lfr.evaluation.tables import markdown
+
+TITLE = "With plain demonstrations"
+NOT_YET = "It has not been run yet.\n"
+
+
+def plain_section(evidence: Evidence) -> str:
+    """Table and, where there is something to compare, what becomes of ``identity``."""
+    return "\n".join([plain_table(evidence), *filter(None, [identity_sentence(evidence)])])
+
+
+def plain_table(evidence: Evidence) -> str:
+    """Two rows for each link, a column for each transfer: mean, its interval, and each seed.
+
+    Ours are of the seeds that the plain ones have.
+    """
+    if not evidence.plain:
+        return NOT_YET
+    names = in_order((link for one in evidence.plain.values() for link in one.links), LINKS)
+    rows: list[list[object]] = []
+    for name in names:
+        plain = [evidence.plain.get(transfer) for transfer in TASKS]
+        ours = [_ours(evidence, transfer, name) for transfer in TASKS]
+        rows.append([f"`{name}`", "ours", *(link_cell(one, name) for one in ours)])
+        rows.append(["", "plain", *(link_cell(one, name) for one in plain)])
+    return markdown(["link", "choices", *TASKS.values()], rows)
+
+
+def identity_sentence(evidence: Evidence) -> str | None:
+    """On which tasks the source's own actions fail once all is plain, by intervals apart.
+
+    None before both were measured on some task.
+    """
+    found: dict[str, list[str]] = {"lower": [], "level": [], "higher": []}
+    every, own_arm = (_both(evidence, link) for link in ("identity", "own_arm"))
+    for transfer, (ours, plain) in every.items():
+        change = _change(ours, plain)
+        place = "level"
+        if plain.high < ours.low or plain.low > ours.high:
+            place = "lower" if plain.high < ours.low else "higher"
+            if transfer in own_arm:
+                change += f"; the source on its own arm {_change(*own_arm[transfer])}"
+        found[place].append(f"{TASKS[transfer]} ({change})")
+    if not every:
+        return None
+    count = f"{len(found['lower'])} of {len(every)} task{'s' * (len(every) > 1)}"
+    said = [f"With these choices set back `identity` falls on {count}{_named(found['lower'])}."]
+    if found["higher"]:
+        said.append(f"It rises on {len(found['higher'])}{_named(found['higher'])}.")
+    if found["level"]:
+        said.append(f"Its intervals overlap on {len(found['level'])}{_named(found['level'])}.")
+    return f"{' '.join(said)}\n"
+
+
+def reason_for_ap(evidence: Evidence) -> str | None:
+    """Where AP would begin with plain choices, beside the paper's AP; None if unknown."""
+    parts = [
+        f"{TASKS[transfer]} {_change(*pair)} (the paper's AP, after learning, "
+        f"{PUBLISHED[transfer, 'ap'].rate:.1f})"
+        for transfer, pair in _both(evidence, "identity").items()
+    ]
+    if not parts:
+        return None
+    return (
+        "- With plain demonstrations, and models that take them as they are, that beginning moves "
+        f'from {"; ".join(parts)}: see above, "{TITLE}".'
+    )
+
+
+def _named(tasks: list[str]) -> str:
+    return f": {', '.join(tasks)}" if tasks else ""
+
+
+def _change(ours: Interval, plain: Interval) -> str:
+    return f"{percent(ours.value)} to {percent(plain.value)}"
+
+
+def _both(evidence: Evidence, link: str) -> dict[str, tuple[Interval, Interval]]:
+    """transfer -> the link's mean with our choices and with plain ones, over the same seeds."""
+    found = {}
+    for transfer in TASKS:
+        ours, plain = _ours(evidence, transfer, link), evidence.plain.get(transfer)
+        if ours and plain:
+            before, after = (bootstrap([one.links[link]], mean) for one in (ours, plain))
+            found[transfer] = before, after
+    return found
+
+
+def _ours(evidence: Evidence, transfer: str, link: str) -> Links | None:
+    """The link alone, with our choices, of the seeds that the plain ones have.
+
+    None where one of the two lacks it, or they share no seed.
+    """
+    ours, plain = evidence.links.get(transfer), evidence.plain.get(transfer)
+    if not ours or not plain or link not in ours.links or link not in plain.links:
+        return None
+    found, known = ours.links[link], ours.seeds[link]
+    places = [place for place, seed in enumerate(known) if seed in plain.seeds[link]]
+    if not places:
+        return None
+    same = Seeds(
+        tuple(found.successes[place] for place in places),
+        tuple(found.episodes[place] for place in places),
+    )
+    return Links(transfer, {link: same}, {link: tuple(known[place] for place in places)})

@@ -1,0 +1,77 @@
+"""The links with plain demonstrations beside ours: the same seeds, and no more than they say."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from lfr.evaluation.evidence.plain import identity_sentence, plain_table, reason_for_ap
+from lfr.evaluation.evidence.records import read_evidence
+from lfr.evaluation.evidence.report import report
+from tests.evaluation.evidence.made_up import learned, zero_shot
+from tests.evaluation.evidence.test_evidence import CAN, LIFT, cells
+
+STACK = "s1-sawyer-stack"
+
+
+@pytest.fixture
+def paper(tmp_path: Path) -> Path:
+    """Five seeds of ours, two plain ones: identity falls, stays, and rises."""
+    zero_shot(tmp_path, CAN, {"identity": [100, 98, 0, 0, 0], "own_arm": [99] * 5, "linear": [9]})
+    zero_shot(tmp_path, CAN, {"own_arm": [90, 92], "identity": [21, 25], "oracle": [88, 90]},
+              "plain")  # fmt: skip
+    for stage, identity in (("zero_shot", [97, 97]), ("plain", [96, 95])):
+        zero_shot(tmp_path, LIFT, {"identity": identity}, stage)
+    for stage, identity in (("zero_shot", [20, 20]), ("plain", [96, 95])):
+        zero_shot(tmp_path, STACK, {"identity": identity}, stage)
+    return tmp_path
+
+
+def test_ours_stand_above_plain_of_the_same_seeds(paper: Path) -> None:
+    lines = plain_table(read_evidence(paper)).splitlines()
+    names = [line.split("|")[1].strip() for line in lines[2:]]
+    assert names == ["`own_arm`", "", "`oracle`", "", "`identity`", ""]  # no `linear`
+    (identity,) = cells("\n".join(lines), "`identity`")
+    plain = cells("\n".join(lines), "")
+    assert identity[1] == "ours"
+    assert {row[1] for row in plain} == {"plain"}
+    assert identity[5].startswith("99.0 [")  # not 39.6, of all five seeds
+    assert identity[5].endswith("] (100, 98)")
+    assert plain[2][5].startswith("23.0 [")
+    assert plain[2][5].endswith("] (21, 25)")
+    (oracle,) = cells("\n".join(lines), "`oracle`")
+    assert oracle[2:] == ["-"] * 4  # it was not measured with ours
+
+
+def test_identity_falls_stays_or_rises_by_intervals(paper: Path) -> None:
+    assert identity_sentence(read_evidence(paper)) == (
+        "With these choices set back `identity` falls on 1 of 3 tasks: Pick-Place, Sawyer (99.0 "
+        "to 23.0; the source on its own arm 99.0 to 91.0). It rises on 1: Stack, Sawyer (20.0 to "
+        "95.5). Its intervals overlap on 1: Lift, Panda (97.0 to 95.5).\n"
+    )
+
+
+def test_nothing_falls(tmp_path: Path) -> None:
+    for stage in ("zero_shot", "plain"):
+        zero_shot(tmp_path, LIFT, {"identity": [97, 97]}, stage)
+    assert identity_sentence(read_evidence(tmp_path)) == (
+        "With these choices set back `identity` falls on 0 of 1 task. Its intervals overlap on 1: "
+        "Lift, Panda (97.0 to 97.0).\n"
+    )
+
+
+def test_the_reason_stands_beside_the_papers_figure(paper: Path) -> None:
+    learned(paper, CAN, "ap", {"sparse": [95, 96]})
+    disagreed = report(read_evidence(paper)).split("## Where this disagrees")[1]
+    assert "Pick-Place, Sawyer 99.0 to 23.0 (the paper's AP, after learning, 10.6)" in disagreed
+
+
+@pytest.mark.parametrize("stage", ["zero_shot", "plain"])
+def test_one_of_the_two_alone_says_nothing(stage: str, tmp_path: Path) -> None:
+    zero_shot(tmp_path, CAN, {"identity": [21, 25]}, stage)
+    evidence = read_evidence(tmp_path)
+    assert identity_sentence(evidence) is None
+    assert reason_for_ap(evidence) is None
+    assert ("not been run yet" in plain_table(evidence)) is (stage == "zero_shot")
+    assert "## With plain demonstrations" in report(evidence)
