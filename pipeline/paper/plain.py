@@ -14,9 +14,10 @@ from lfr.scenarios import scenario as scenario_named
 from lfr.scenarios import transfer as transfer_named
 from lfr.skills.models import fit_model, model_jobs, model_report, roles_of
 from lfr.skills.params import SkillsParams
-from pipeline._stage import models_into, rows_of, unfinished_work, write_metrics
+from pipeline._stage import rows_of, unfinished_work
 from pipeline.paper._plain import DATASETS, MODELS, plain_section
-from pipeline.paper._stage import judging, paper_seeds
+from pipeline.paper._spent import Spent
+from pipeline.paper._stage import judging, paper_seeds, seeds_into
 
 MODEL_CODE = (
     "lfr.skills", "lfr.mapping", "lfr.models", "lfr.data", "lfr.columns", "lfr.scenarios",
@@ -39,15 +40,15 @@ def main(transfer: str) -> None:
     """
     chosen = transfer_named(transfer)
     seeds = paper_seeds().questions
-    runs = _train(chosen, seeds)
+    runs, spent = _train(chosen, seeds)
     links = _judge(chosen, seeds, judging().episodes)
     about = {"source": chosen.source, "target": chosen.target, "task": chosen.task}
     found = {"transfer": transfer, **about, "links": links, "runs": runs}
-    write_metrics("paper/plain", transfer, found)
+    spent.write("plain", transfer, found)
 
 
-def _train(transfer: Transfer, seeds: tuple[int, ...]) -> list[dict[str, Any]]:
-    """Every seed's models; the same reports as the stage models gives."""
+def _train(transfer: Transfer, seeds: tuple[int, ...]) -> tuple[list[dict[str, Any]], Spent]:
+    """Every seed's models; the same reports as the stage models gives, and the stage's clock."""
     scenario = scenario_named(transfer.scenario)
     skills = plain_section(SkillsParams, "skills")
     mapping = plain_section(MappingParams, "mapping")
@@ -60,10 +61,11 @@ def _train(transfer: Transfer, seeds: tuple[int, ...]) -> list[dict[str, Any]]:
     work = unfinished_work(
         "paper-plain", transfer.name, scenario, skills, mapping, *inputs, code=MODEL_CODE
     )  # fmt: skip
+    spent = Spent(work)
 
-    runs = []
-    for seed in seeds:
-        title, folder = f"paper plain {transfer.name} seed {seed}", work / f"models/seed-{seed}"
+    runs, folders = [], {seed: work / f"models/seed-{seed}" for seed in seeds}
+    for seed, folder in folders.items():
+        title = f"paper plain {transfer.name} seed {seed}"
         jobs, needs = model_jobs(scenario, transfer, skills, seed, folder / "skills", DATASETS)
         fitted = run_jobs(fit_model, jobs, after=needs, work=work, description=title, unit="model")
         phi = mapping_job(
@@ -72,8 +74,8 @@ def _train(transfer: Transfer, seeds: tuple[int, ...]) -> list[dict[str, Any]]:
         )  # fmt: skip
         (mapped,) = run_jobs(fit_mapping, [phi], work=work, description=title, unit="mapping")
         runs.append({"seed": seed, "skills": model_report(jobs, fitted), "mapping": mapped})
-    models_into(MODELS / transfer.name, work / "models")
-    return runs
+    seeds_into(MODELS / transfer.name, folders)
+    return runs, spent
 
 
 def _judge(
