@@ -56,8 +56,14 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def everything(datasets: Path, models: Path) -> list[Path]:
-    """All datasets and all folders of models that the pipeline has made."""
-    return [*sorted(datasets.glob("[!.]*/")), *sorted(models.glob("[!.]*/[!.]*/"))]
+    """All datasets and all folders of models that the main job has made.
+
+    The evidence's models, beside them, are many, and described by its report.
+    """
+    from lfr.hub.model_facts import STAGES
+
+    made = {folder for stage in STAGES.values() for folder in models.glob(f"{stage}/[!.]*/")}
+    return [*sorted(datasets.glob("[!.]*/")), *sorted(made)]
 
 
 def cards(path: Path, results: Path) -> dict[str, bytes]:

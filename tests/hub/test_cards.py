@@ -18,6 +18,7 @@ from lfr.data.episode import ACTION, DONE, IMAGES, REWARD, STATE, SUCCESS, featu
 from lfr.demos.recorder import RecordParams
 from lfr.errors import DataError
 from lfr.hub import card_command
+from lfr.hub.card_command import everything
 from lfr.hub.dataset_card import dataset_card
 from lfr.hub.dataset_facts import Column, DatasetFacts, read_facts, read_making
 from lfr.hub.dimensions import groups
@@ -289,3 +290,14 @@ def test_cards_are_written_and_checked(
     capsys.readouterr()
     assert cli.main([*command, "--check"]) == 1
     assert "panda-lift.md: out of date" in capsys.readouterr().err
+
+
+def test_without_paths_the_evidence_is_left_alone(tmp_path: Path) -> None:
+    places = ["transfer/a-lfr", "skills/a", "mapping/a", "paper/a", "paper-policies/a-sac"]
+    for place in places:
+        (tmp_path / "models" / place).mkdir(parents=True)
+    (tmp_path / "data/robot-task").mkdir(parents=True)
+    found = everything(tmp_path / "data", tmp_path / "models")
+    names = [path.relative_to(tmp_path).as_posix() for path in found]
+    assert names == ["data/robot-task", "models/mapping/a", "models/skills/a",
+                     "models/transfer/a-lfr"]  # fmt: skip
