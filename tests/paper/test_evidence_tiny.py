@@ -15,6 +15,7 @@ from lfr.artifacts import read_json
 from lfr.data.episode import ACTION
 from lfr.data.log_reader import read_log
 from lfr.evaluation.evidence.records import read_evidence
+from lfr.evaluation.evidence.reference import BENCHMARK
 from lfr.params import read_yaml
 from lfr.skills.artifacts import load_vae
 
@@ -34,6 +35,7 @@ def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
     root = tmp_path_factory.mktemp("evidence")
     folder = tiny_project.make(root / "two-seeds", pipeline=PIPELINE)
     shutil.copy(Path(__file__).with_name("tiny_params.yaml"), folder / "paper/params.yaml")
+    shutil.copy(tiny_project.ROOT / BENCHMARK, folder / BENCHMARK)
     tiny_project.run_demonstrations(folder)
     tiny_project.run(folder, *REPRO)
     return folder
