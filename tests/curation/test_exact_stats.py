@@ -8,7 +8,7 @@ from lfr.curation.exact_stats import dataset_stats, episode_stats
 from lfr.data.stats import vector_stats
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(
     lengths=st.lists(st.integers(1, 12), min_size=1, max_size=8),
     dimensions=st.integers(0, 4),

@@ -322,7 +322,7 @@ def whole_log(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(at=st.floats(0, 1, exclude_max=True), flip=st.integers(1, 255))
 def test_a_flipped_byte_is_refused(whole_log: Path, at: float, flip: int) -> None:
     """No byte of the file, its metadata's too, can turn unseen into another episode."""

@@ -75,7 +75,7 @@ def test_padded_windows_are_lerobots(packed: Path, horizon: int) -> None:
         assert torch.equal(batch.is_pad[i], row["action_is_pad"])
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     lengths=st.lists(st.integers(1, 12), min_size=1, max_size=6),
     horizon=st.integers(1, 15),
@@ -109,7 +109,7 @@ def test_gather_takes_windows_by_their_number() -> None:
         Windows(demonstrations([4]), 0, padded=True)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     lengths=st.lists(st.integers(1, 4), min_size=1, max_size=30),
     held_out=st.floats(0, 1, exclude_max=True),

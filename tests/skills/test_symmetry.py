@@ -60,7 +60,7 @@ def lift_observation(rotation: tuple[float, float, float], to_cube: np.ndarray) 
     return torch.tensor(observation)[None]
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(angle=angles, mirror=mirrors, shift=shifts, rotation=rotations)
 def test_the_expert_in_a_moved_scene_does_the_moved_action(
     angle: float, mirror: float, shift: tuple[float, float], rotation: tuple[float, float, float]
@@ -76,7 +76,7 @@ def test_the_expert_in_a_moved_scene_does_the_moved_action(
     np.testing.assert_allclose(there, expected, atol=1e-6)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(angle=angles, mirror=mirrors, shift=shifts, rotation=rotations)
 def test_a_moved_observation_is_still_one(
     angle: float, mirror: float, shift: tuple[float, float], rotation: tuple[float, float, float]

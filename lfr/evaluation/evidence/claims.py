@@ -16,7 +16,7 @@ from lfr.evaluation.tables import markdown
 
 
 def standings(evidence: Evidence) -> str:
-    """One item per transfer and reward: who does as well as LfR, who worse, who better."""
+    """One item per transfer and reward: who cannot be told from LfR, who is worse, who better."""
     items = []
     for transfer, task in TASKS.items():
         for reward in evidence.rewards():
@@ -31,7 +31,7 @@ def standings(evidence: Evidence) -> str:
 def _sentence(place: Standing, seeds: int) -> str:
     parts = [f"LfR {percent_interval(place.ours)} over {seeds} seed{'s' * (seeds != 1)}."]
     if place.level:
-        parts.append(f"As good, by overlapping intervals: {_named(place.level)}.")
+        parts.append(f"Not told apart, the intervals overlapping: {_named(place.level)}.")
     if place.above:
         parts.append(f"Better: {_named(place.above)}.")
     if place.below:

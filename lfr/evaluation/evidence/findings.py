@@ -53,7 +53,7 @@ def findings(evidence: Evidence) -> str:
 
 
 def _rival(evidence: Evidence, label: str, what: str) -> str | None:
-    """Whether it does as well as LfR, over all tasks and rewards; None without a comparison."""
+    """Whether it is below LfR, over all tasks and rewards; None without a comparison."""
     points: list[float] = []
     places: dict[str, list[str]] = {"level": [], "above": [], "below": []}
     for transfer, task in TASKS.items():
@@ -68,7 +68,9 @@ def _rival(evidence: Evidence, label: str, what: str) -> str | None:
     if not points:
         return None
     good, every = len(places["level"]) + len(places["above"]), len(points)
-    verdict = "does as well as LfR" if good else "does worse than LfR"
+    verdict = (
+        "is not below LfR, by overlapping or higher intervals," if good else "does worse than LfR"
+    )
     share = f"in {good or every} of {every}"
     parts = [
         f"**{label[0].upper()}{label[1:]} {verdict} {share} "

@@ -34,15 +34,15 @@ def evidence_block(results: Path = RESULTS) -> str:
         _table(evidence).strip(),
         "Percent of held-out episodes over seeds, each a whole repetition from the split of the "
         "demonstrations on: mean, and interquartile mean (IQM) with its bootstrap interval of "
-        "95 %. As good: methods, and links without learning, whose intervals overlap LfR's or lie "
-        'above it; "so far" where a comparison is still missing. Tables I to III, curves and '
+        "95 %. Not below: methods, and links without learning, whose intervals overlap LfR's or "
+        'lie above it; "so far" where a comparison is still missing. Tables I to III, curves and '
         f"questions: [report.md]({folder}/report.md).",
     ])  # fmt: skip
 
 
 def _table(evidence: Evidence) -> str:
     header = ["task", "reward", "paper's LfR", "goal", "LfR, mean", "LfR, IQM", "seeds",
-              "zero-shot", "robosuite", "as good"]  # fmt: skip
+              "zero-shot", "robosuite", "not below"]  # fmt: skip
     rows = [
         [TASKS[transfer], reward, f"{PUBLISHED[transfer, OURS].rate:.1f}",
          f"{100 * target.success:.0f}", *_ours(evidence, transfer, reward)]

@@ -42,8 +42,8 @@ def report(evidence: Evidence) -> str:
 
 ![Final success of every method](headline.svg)
 
-Interquartile means over seeds with their intervals, in percent of held-out episodes. One does as
-well as LfR where the intervals overlap or its own is higher.
+Interquartile means over seeds with their intervals, in percent of held-out episodes. One is
+not below LfR where the intervals overlap or its own is higher; few seeds make wide ones.
 
 {short_table(evidence)}
 {findings(evidence)}
@@ -61,10 +61,10 @@ method's, and of the links without learning {", ".join(f"`{link}`" for link in N
 its ablations and the oracles are not compared; "so far" where a comparison is still missing.
 
 {targets_table(evidence)}
-## Who does as well as LfR
+## Who is not below LfR
 
-Interquartile means with their intervals; as good means that the intervals overlap, LfR's being
-that of the seeds that both have.
+Interquartile means with their intervals; not told apart means that the intervals overlap, LfR's
+being that of the seeds that both have.
 
 {standings(evidence)}
 

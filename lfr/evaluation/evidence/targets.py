@@ -1,4 +1,4 @@
-"""What this work set itself to reach, against what was reached; and who does as well as LfR."""
+"""What this work set itself to reach, against what was reached; and who is not below LfR."""
 
 from __future__ import annotations
 

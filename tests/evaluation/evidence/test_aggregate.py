@@ -96,7 +96,7 @@ def test_no_interval_is_narrower_than_that_of_its_episodes() -> None:
     assert worse.high >= found.low  # 499 and 497 of 500 are not told apart
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(st.lists(st.integers(0, 20), min_size=1, max_size=6))
 def test_interval_is_ordered_within_bounds_and_the_same_again(successes: list[int]) -> None:
     seeds = Seeds(tuple(successes), (20,) * len(successes))
