@@ -8,7 +8,7 @@ import torch
 from torch import Tensor, nn
 
 from lfr.transfer.critic import CriticEnsemble, critic_loss, pessimistic, td_target
-from lfr.transfer.distribution import GAUSSIAN, Distribution
+from lfr.transfer.distribution import GAUSSIAN, Distribution, tempered
 from lfr.transfer.optimizer import FlatAdam, flatten_parameters, trainable
 from lfr.transfer.params import TransferParams
 from lfr.transfer.policy import MappedPolicy
@@ -81,11 +81,14 @@ class Learner:
         mu, log_sigma = self.policy(batch.next_observation)
         next_z = self.distribution.skill(mu, log_sigma, noise)
         next_q, _ = self.target.values(self.target.inputs(batch.next_observation), next_z)
-        kl = self.distribution.divergence(
-            mu, log_sigma, noise, batch.next_prior_mu, batch.next_prior_log_sigma
-        )
+        kl = self.divergence(mu, log_sigma, noise, batch.next_prior_mu, batch.next_prior_log_sigma)
         next_q = pessimistic(next_q, self.subset())
         return td_target(batch.reward, batch.discount, next_q, alpha, kl)
+
+    def divergence(self, mu: Tensor, log_sigma: Tensor, noise: Tensor, *prior: Tensor) -> Tensor:
+        """KL to the prior's (mu, log_sigma), (B,), tempered: what Eq. 9 charges for a state."""
+        limit = self.params.divergence_limit * self.params.target_divergence
+        return tempered(self.distribution.divergence(mu, log_sigma, noise, *prior), limit)
 
     def subset(self) -> Tensor | None:
         """REDQ: the members (target_subset,) whose minimum this update's target takes."""
@@ -102,9 +105,7 @@ class Learner:
         value, slope = self.value(q)
         # -Q enters by its gradient: grad_outputs of z are those of -value by z.
         by_z = self.critics.by_skill(traces, -slope)
-        kl = self.distribution.divergence(
-            mu, log_sigma, noise, batch.prior_mu, batch.prior_log_sigma
-        ).mean()
+        kl = self.divergence(mu, log_sigma, noise, batch.prior_mu, batch.prior_log_sigma).mean()
         gradients = torch.autograd.grad([kl, z], self.policy_parameters, [alpha, by_z])
         self.policy_adam.descend(torch.cat([g.reshape(-1) for g in gradients]))
         kl = kl.detach()

@@ -37,6 +37,7 @@ class TransferParams:
     target_subset: int = 0  # REDQ's random subset in the target; 0: the minimum over all critics
 
     target_divergence: float = 1.5  # nats, summed over the latent; SPiRL 1 (maze) to 5 (kitchen)
+    divergence_limit: float = 10.0  # times the target; a state's KL beyond it by its log; 0: none
     initial_alpha: float = 0.1
     alpha_lr: float = 1e-3
     fixed_alpha: bool = False  # True: alpha stays at initial_alpha, no dual descent
@@ -55,7 +56,13 @@ class TransferParams:
         for name in positive:
             if getattr(self, name) <= 0:
                 raise ParameterError(f"{name} must be positive, found {getattr(self, name)}")
-        for name in ("updates_per_skill", "warm_up", "target_divergence", "target_subset"):
+        for name in (
+            "updates_per_skill",
+            "warm_up",
+            "target_divergence",
+            "divergence_limit",
+            "target_subset",
+        ):
             if getattr(self, name) < 0:
                 raise ParameterError(f"{name} must not be negative, found {getattr(self, name)}")
         for name in ("gamma", "tau"):

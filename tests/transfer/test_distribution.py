@@ -8,7 +8,7 @@ from torch.distributions import Normal, TransformedDistribution
 from torch.distributions.transforms import TanhTransform
 
 from lfr.errors import UnknownNameError
-from lfr.transfer.distribution import GAUSSIAN, SQUASHED, distribution
+from lfr.transfer.distribution import GAUSSIAN, SQUASHED, distribution, tempered
 
 
 @pytest.fixture
@@ -57,3 +57,17 @@ def test_distributions_go_by_name():
     assert distribution("squashed") is SQUASHED
     with pytest.raises(UnknownNameError, match="gaussian"):
         distribution("normal")
+
+
+def test_a_tempered_divergence_grows_by_its_logarithm_beyond_the_limit():
+    divergence = torch.tensor([0.0, 3.0, 15.0, 15.0 * math.e, 1.5e5], requires_grad=True)
+    found = tempered(divergence, 15.0)
+    expected = torch.tensor([0.0, 3.0, 15.0, 30.0, 15.0 * (1.0 + 4.0 * math.log(10.0))])
+    torch.testing.assert_close(found, expected)
+    (slope,) = torch.autograd.grad(found.sum(), divergence)
+    torch.testing.assert_close(slope[[0, 1, 3, 4]], torch.tensor([1.0, 1.0, 1.0 / math.e, 1e-4]))
+
+
+def test_a_limit_of_zero_leaves_the_divergence_as_it_is():
+    divergence = torch.tensor([0.0, 3.0, 1.5e5])
+    assert tempered(divergence, 0.0) is divergence

@@ -98,6 +98,28 @@ def test_an_update_is_that_of_equation_9(artifacts, params):
     assert (learner.temperature().item() - 0.3) * direction > 0
 
 
+def test_one_state_that_the_prior_never_saw_does_not_decide_for_all(artifacts, params):
+    """There the prior is sure, so a small difference is a divergence of a million nats."""
+
+    def after(limit: float) -> tuple[float, float]:
+        actor, learner = _learner(artifacts, params, policy_every=1, divergence_limit=limit)
+        batch = _batch(actor)
+        batch.prior_log_sigma[0] = batch.next_prior_log_sigma[0] = -7.0
+        mu, log_sigma = actor.policy(batch.observation)
+        kl = learner.distribution.divergence(
+            mu, log_sigma, mu, batch.prior_mu, batch.prior_log_sigma
+        )
+        assert kl[0] > 10_000 > 1_000 * kl[1:].max()
+        info = learner.update(batch)
+        pull = learner.policy_adam.mean.norm()  # of a first step: the gradient, scaled
+        return float(info["critic_loss"]), float(pull)
+
+    loss, pull = after(0.0)
+    tempered_loss, tempered_pull = after(10.0)
+    assert tempered_loss < 0.01 * loss
+    assert tempered_pull < 0.01 * pull
+
+
 def test_policy_waits_its_turn_and_warm_up_leaves_it(artifacts, params):
     actor, learner = _learner(artifacts, params, policy_every=3)
     before = learner.policy_adam.flat.clone()
