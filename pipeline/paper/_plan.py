@@ -39,10 +39,8 @@ class Learning:
     of: dict[str, dict[str, Any]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        known = [one for methods in vars(self.methods).values() for one in methods]
         for method in self.of:
-            if method not in known:
-                raise UnknownNameError("method", method, known)
+            self.group(method)
 
     def group(self, method: str) -> str:
         """The group that a method belongs to.

@@ -26,6 +26,7 @@ class PaperRun:
     Attributes:
         seed: of the models and of the run.
         models: SHA-256 of all that it may start from, so that other models make another run.
+        root: where the models lie, by transfer and seed.
         work: folder of the stage's unfinished work.
     """
 
@@ -34,6 +35,7 @@ class PaperRun:
     seed: int
     params: TransferParams
     models: str
+    root: str
     work: str
 
     @property
@@ -55,14 +57,19 @@ class RunFiles:
 
 
 def paper_run(
-    transfer: Transfer, method: str, seed: int, params: TransferParams, work: Path
+    transfer: Transfer,
+    method: str,
+    seed: int,
+    params: TransferParams,
+    work: Path,
+    root: Path = MODELS,
 ) -> PaperRun:
     """The run for the models as they are: those of its seed, and the variant that it needs."""
-    folders = [MODELS / transfer.name / f"seed-{seed}"]
+    folders = [root / transfer.name / f"seed-{seed}"]
     if method in NEEDED:
         folders.append(VARIANTS / transfer.name / f"seed-{seed}" / NEEDED[method])
     digest = fingerprint(*(file_hash(folder) for folder in folders))
-    return PaperRun(transfer, method, seed, params, digest, str(work))
+    return PaperRun(transfer, method, seed, params, digest, str(root), str(work))
 
 
 def judgements(run: PaperRun, judging: Judging, *, zero_shot: bool) -> list[tuple[str, Trial]]:
@@ -89,7 +96,7 @@ def learn(run: PaperRun) -> dict[str, Any]:
     transfer, folder = run.transfer, run.folder
     skills, mapping, variants = (
         root / transfer.name / f"seed-{run.seed}" / part
-        for root, part in ((MODELS, "skills"), (MODELS, "mapping"), (VARIANTS, ""))
+        for root, part in ((Path(run.root), "skills"), (Path(run.root), "mapping"), (VARIANTS, ""))
     )
     models = TrainedModels(transfer, skills, mapping, variants)
     start = start_of(run.method, models, run.params, run.seed)
