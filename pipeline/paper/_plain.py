@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 LOGS = Path("data/paper-plain/logs")
 DATASETS = Path("data/paper-plain/lerobot")
 MODELS = Path("models/paper-plain")
+POLICIES = Path("models/paper-plain-policies")
 
 SectionName = Literal["record", "skills", "mapping"]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -60,9 +61,11 @@ class Learning:
     def seeds_of(self, method: str, seeds: PaperSeeds) -> tuple[int, ...]:
         return seeds.tables if self.group(method) == "tables" else seeds.questions
 
-    def params_of(self, method: str, reward: str) -> TransferParams:
-        """The main job's parameters, changed for all methods and for this one."""
-        own = {**self.transfer, **self.of.get(method, {}), "reward": reward}
+    def params_of(
+        self, method: str, reward: str, changes: Mapping[str, Any] | None = None
+    ) -> TransferParams:
+        """The main job's parameters, changed for all methods, for this one, and by ``changes``."""
+        own = {**self.transfer, **self.of.get(method, {}), **(changes or {}), "reward": reward}
         main = read_yaml(MAIN).get("transfer", {})
         return from_mapping(TransferParams, {**main, **own}, f"{PARAMS}: learn.of.{method}")
 

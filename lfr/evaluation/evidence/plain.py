@@ -1,4 +1,4 @@
-"""The zero-shot links once more with plain demonstrations and models that take them as they are.
+"""Links and learning once more, with plain demonstrations and models that take them as they are.
 
 Plain is the paper's reading of what docs/method.md adds to it: section ``plain`` of
 paper/params.yaml.
@@ -7,10 +7,11 @@ paper/params.yaml.
 from __future__ import annotations
 
 from lfr.evaluation.evidence.aggregate import Interval, Seeds, bootstrap, mean
-from lfr.evaluation.evidence.names import LINKS, in_order
+from lfr.evaluation.evidence.names import LINKS, METHODS, REWARDS, in_order, method_label
 from lfr.evaluation.evidence.published import PUBLISHED, TASKS
-from lfr.evaluation.evidence.records import Evidence, Links
-from lfr.evaluation.evidence.tables import link_cell, percent
+from lfr.evaluation.evidence.records import Evidence, Links, SeedRun, counts
+from lfr.evaluation.evidence.summary import OURS
+from lfr.evaluation.evidence.tables import DASH, link_cell, percent, percent_interval
 from lfr.evaluation.tables import markdown
 
 TITLE = "With plain demonstrations"
@@ -18,8 +19,9 @@ NOT_YET = "It has not been run yet.\n"
 
 
 def plain_section(evidence: Evidence) -> str:
-    """Table and, where there is something to compare, what becomes of ``identity``."""
-    return "\n".join([plain_table(evidence), *filter(None, [identity_sentence(evidence)])])
+    """The links and what becomes of ``identity``; then who learned from there, and how far."""
+    parts = [plain_table(evidence), identity_sentence(evidence), *learned(evidence)]
+    return "\n".join(filter(None, parts))
 
 
 def plain_table(evidence: Evidence) -> str:
@@ -63,6 +65,66 @@ def identity_sentence(evidence: Evidence) -> str | None:
     if found["level"]:
         said.append(f"Its intervals overlap on {len(found['level'])}{_named(found['level'])}.")
     return f"{' '.join(said)}\n"
+
+
+def learned(evidence: Evidence) -> list[str]:
+    """A table of the methods that learned from plain models, and LfR against the others."""
+    runs = evidence.plain_runs
+    if not runs:
+        return []
+    rows: list[list[object]] = []
+    for method in in_order((run.method for run in runs), METHODS):
+        for reward in in_order((run.reward or "" for run in runs if run.method == method), REWARDS):
+            found = [_plain_runs(evidence, transfer, method, reward) for transfer in TASKS]
+            rows.append([method_label(method), reward, *map(_learned_cell, found)])
+        published = [PUBLISHED.get((transfer, method), DASH) for transfer in TASKS]
+        rows.append(["", "paper", *published])
+    about = (
+        "What learning makes of these models: mean over seeds before it, and after it with its "
+        "bootstrap interval, and each seed. All else is as in the tables above.\n"
+    )
+    return [about, markdown(["method", "reward", *TASKS.values()], rows), *_against(evidence)]
+
+
+def _plain_runs(evidence: Evidence, transfer: str, method: str, reward: str) -> list[SeedRun]:
+    wanted = transfer, method, reward
+    return [one for one in evidence.plain_runs if (one.transfer, one.method, one.reward) == wanted]
+
+
+def _learned_cell(runs: list[SeedRun]) -> str:
+    """``9.3 to 85.3 [70.1, 95.2] (80, 91, 85)``"""
+    if not runs:
+        return DASH
+    before = [run.zero_shot for run in runs if run.zero_shot is not None]
+    began = percent(sum(before) / len(before)) if len(before) == len(runs) else DASH
+    each = ", ".join(f"{100 * run.success:.0f}" for run in runs)
+    return f"{began} to {percent_interval(bootstrap([counts(runs)], mean))} ({each})"
+
+
+def _against(evidence: Evidence) -> list[str]:
+    """A sentence for each method beside LfR: on which tasks it ends below, level or above."""
+    sentences = []
+    runs = evidence.plain_runs
+    for method in in_order((run.method for run in runs if run.method != OURS), METHODS):
+        found: dict[str, list[str]] = {"below": [], "not told apart from": [], "above": []}
+        for transfer, task in TASKS.items():
+            for reward in REWARDS:
+                ours, other = (_plain_runs(evidence, transfer, name, reward)
+                               for name in (OURS, method))  # fmt: skip
+                if not ours or not other:
+                    continue
+                we, they = (bootstrap([counts(one)], mean) for one in (ours, other))
+                place = "not told apart from"
+                if they.high < we.low or they.low > we.high:
+                    place = "below" if they.high < we.low else "above"
+                points = f"{percent(they.value)} against {percent(we.value)}"
+                found[place].append(f"{task}, {reward} ({points})")
+        said = [f"{place} LfR on {len(at)}: {', '.join(at)}" for place, at in found.items() if at]
+        if said:
+            sentences.append(
+                f"From plain models, having learned, {method_label(method)} is {'; '.join(said)}.\n"
+            )
+    return sentences
 
 
 def reason_for_ap(evidence: Evidence) -> str | None:

@@ -23,7 +23,7 @@ PAPER = RESULTS / "paper"
 # as they are run
 STAGES = (
     "models", "variants", "zero_shot", "imitate", "learn", "reference", "plain_demonstrations",
-    "plain",
+    "plain", "learn_plain",
 )  # fmt: skip
 STOCK = "robosuite"
 
@@ -96,6 +96,7 @@ class Evidence:
     Attributes:
         links: transfer -> links.
         plain: the same of models that learned from plain demonstrations.
+        plain_runs: of methods that began with these models.
         stages: stage -> key -> its last run.
         reference: SAC beside robosuite-benchmark's; None before both are there.
     """
@@ -103,6 +104,7 @@ class Evidence:
     runs: tuple[SeedRun, ...] = ()
     links: dict[str, Links] = field(default_factory=dict)
     plain: dict[str, Links] = field(default_factory=dict)
+    plain_runs: tuple[SeedRun, ...] = ()
     stages: dict[str, dict[str, StageRun]] = field(default_factory=dict)
     reference: Reference | None = None
 
@@ -150,15 +152,19 @@ def read_evidence(paper: Path = PAPER) -> Evidence:
     Raises:
         DataError: a file is cut off, is not what its stage writes, or counts one seed twice.
     """
-    runs = [*_imitated(paper / "imitate"), *_learned(paper / "learn")]
+    runs = _ordered(paper, [*_imitated(paper / "imitate"), *_learned(paper / "learn")])
+    plain_runs = _ordered(paper, _learned(paper / "learn_plain"))
+    reference = read_reference(paper / "reference" / "lift-panda.csv")
+    links, plain = (_all_links(paper / stage) for stage in ("zero_shot", "plain"))
+    return Evidence(runs, links, plain, plain_runs, _stages(paper), reference)
+
+
+def _ordered(paper: Path, runs: Sequence[SeedRun]) -> tuple[SeedRun, ...]:
     keys = [(run.transfer, run.method, run.reward or "", run.seed) for run in runs]
     twice = sorted({key for key in keys if keys.count(key) > 1})
     if twice:
         raise DataError("a seed is there twice", file=paper, found=twice[0], expected="one run")
-    ordered = tuple(run for _, run in sorted(zip(keys, runs, strict=True), key=lambda one: one[0]))
-    reference = read_reference(paper / "reference" / "lift-panda.csv")
-    links, plain = (_all_links(paper / stage) for stage in ("zero_shot", "plain"))
-    return Evidence(ordered, links, plain, _stages(paper), reference)
+    return tuple(run for _, run in sorted(zip(keys, runs, strict=True), key=lambda one: one[0]))
 
 
 def _learned(folder: Path) -> list[SeedRun]:

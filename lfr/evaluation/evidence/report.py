@@ -23,7 +23,7 @@ from lfr.evaluation.evidence.targets import NO_LEARNING, targets_table
 from lfr.evaluation.tables import stage_table
 
 # stages that the paper's tables can do without
-EXTRA = ("zero_shot", "reference", "plain_demonstrations", "plain")
+EXTRA = ("zero_shot", "reference", "plain_demonstrations", "plain", "learn_plain")
 TITLES = {
     "figure3": "Figure 3: scenario 1, the paper's methods",
     "figure4": "Figure 4: scenario 2, the paper's methods",

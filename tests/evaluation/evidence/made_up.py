@@ -27,6 +27,7 @@ def learned(
     successes: Mapping[str, Sequence[int]],
     before: int = 50,
     steps: int = 10_000,
+    stage: str = "learn",
 ) -> None:
     """One learning stage: successes of 100 by reward, a seed each; stock is one less.
 
@@ -41,10 +42,10 @@ def learned(
             half = (before + count) / 200
             for at, value in ((0, before / 100), (steps // 2, half), (steps, count / 100)):
                 rows.append(f"{reward},{seed},{at},0,{value},")
-    stage = paper / "learn" / f"{transfer}-{method}"
+    file = paper / stage / f"{transfer}-{method}"
     about = {"transfer": transfer, "method": method, "judge": "engine", "warm_up": 6000}
-    write_json(stage.with_name(f"{stage.name}.json"), {**about, "runs": runs, **RUN})
-    stage.with_name(f"{stage.name}.csv").write_text("\n".join(rows) + "\n")
+    write_json(file.with_name(f"{file.name}.json"), {**about, "runs": runs, **RUN})
+    file.with_name(f"{file.name}.csv").write_text("\n".join(rows) + "\n")
 
 
 def imitated(paper: Path, transfer: str, successes: Sequence[int]) -> None:

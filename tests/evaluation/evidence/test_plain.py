@@ -6,7 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from lfr.evaluation.evidence.plain import identity_sentence, plain_table, reason_for_ap
+from lfr.evaluation.evidence.plain import (
+    identity_sentence,
+    plain_section,
+    plain_table,
+    reason_for_ap,
+)
 from lfr.evaluation.evidence.records import read_evidence
 from lfr.evaluation.evidence.report import report
 from tests.evaluation.evidence.made_up import learned, zero_shot
@@ -75,3 +80,25 @@ def test_one_of_the_two_alone_says_nothing(stage: str, tmp_path: Path) -> None:
     assert reason_for_ap(evidence) is None
     assert ("not been run yet" in plain_table(evidence)) is (stage == "zero_shot")
     assert "## With plain demonstrations" in report(evidence)
+
+
+def test_who_learned_from_plain_models_stands_beside_the_paper(paper: Path) -> None:
+    for transfer, method, found in (
+        (CAN, "lfr", [95, 97]), (CAN, "ap", [20, 30]), (LIFT, "lfr", [90, 92]), (LIFT, "ap", [91]),
+        (STACK, "ap", [99, 99]),
+    ):  # fmt: skip
+        learned(paper, transfer, method, {"sparse": found}, before=9, stage="learn_plain")
+    evidence = read_evidence(paper)
+    section = plain_section(evidence)
+    (ours,) = cells(section, "LfR")
+    assert ours[1] == "sparse"
+    assert ours[5].startswith("9.0 to 96.0 [")
+    assert ours[5].endswith("] (95, 97)")
+    assert ours[3] == "-"
+    published = [row for row in cells(section, "") if row[1] == "paper"]
+    assert [row[5] for row in published] == ["82.5 ± 3.2", "10.6 ± 5.7"]
+    assert section.rstrip().endswith(
+        "From plain models, having learned, AP is below LfR on 1: Pick-Place, Sawyer, sparse (25.0 "
+        "against 96.0); not told apart from LfR on 1: Lift, Panda, sparse (91.0 against 91.0)."
+    )
+    assert not evidence.runs  # they are not the tables'
