@@ -44,6 +44,8 @@ def save_policy(folder: Path, actor: SkillActor, about: dict[str, Any]) -> None:
     config = {"kind": KIND, "about": plain(about), "networks": shapes}
     if actor.distribution != GAUSSIAN:
         config["distribution"] = actor.distribution.name
+    if actor.policy.min_sigma > 0.0:
+        config["min_sigma"] = actor.policy.min_sigma
     save_model(folder, config, tensors)
 
 
@@ -60,14 +62,17 @@ def load_policy(folder: Path) -> tuple[SkillActor, dict[str, Any]]:
         part = {k.removeprefix(prefix): v for k, v in tensors.items() if k.startswith(prefix)}
         network = PARTS[entry["class"]].build(entry["shape"], part, folder)
         networks[name] = network.requires_grad_(False)
-    return actor_of(networks, config.get("distribution", GAUSSIAN.name)), config["about"]
+    distributed = config.get("distribution", GAUSSIAN.name)
+    return actor_of(networks, distributed, config.get("min_sigma", 0.0)), config["about"]
 
 
-def actor_of(networks: dict[str, Any], distributed: str = GAUSSIAN.name) -> SkillActor:
+def actor_of(
+    networks: dict[str, Any], distributed: str = GAUSSIAN.name, min_sigma: float = 0.0
+) -> SkillActor:
     """The actor that consists of these networks, by the names that `save_policy` gives them."""
     return SkillActor(
-        policy=MappedPolicy(networks["pi"], networks["phi"]),
-        prior=MappedPolicy(networks["p_a"], networks["phi_prior"]),
+        policy=MappedPolicy(networks["pi"], networks["phi"], min_sigma),
+        prior=MappedPolicy(networks["p_a"], networks["phi_prior"], min_sigma),
         decoder=networks["decoder"],
         distribution=distribution(distributed),
     )

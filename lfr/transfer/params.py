@@ -38,6 +38,7 @@ class TransferParams:
 
     target_divergence: float = 1.5  # nats, summed over the latent; SPiRL 1 (maze) to 5 (kitchen)
     divergence_limit: float = 10.0  # times the target; a state's KL beyond it by its log; 0: none
+    min_sigma: float = 0.2  # of policy and prior; 0: as the prior has it
     initial_alpha: float = 0.1
     alpha_lr: float = 1e-3
     fixed_alpha: bool = False  # True: alpha stays at initial_alpha, no dual descent
@@ -56,13 +57,11 @@ class TransferParams:
         for name in positive:
             if getattr(self, name) <= 0:
                 raise ParameterError(f"{name} must be positive, found {getattr(self, name)}")
-        for name in (
-            "updates_per_skill",
-            "warm_up",
-            "target_divergence",
-            "divergence_limit",
+        not_negative = (
+            "updates_per_skill", "warm_up", "target_divergence", "divergence_limit", "min_sigma",
             "target_subset",
-        ):
+        )  # fmt: skip
+        for name in not_negative:
             if getattr(self, name) < 0:
                 raise ParameterError(f"{name} must not be negative, found {getattr(self, name)}")
         for name in ("gamma", "tau"):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import math
 
 import torch
 from torch import Tensor, nn
@@ -32,27 +33,36 @@ class MappedPolicy(nn.Module):
 
     The Gaussian is not squashed: the divergence to phi(p_a) keeps it where the decoder was trained,
     and a tanh would only add SPiRL's trap of a slope that is not 1 at the mean.
+
+    Attributes:
+        min_sigma: sigma is at least this, in a space whose skills are spread by about 1; 0 leaves
+            it as it is. A prior of few demonstrations is far surer of itself than it is right, and
+            than a step of Adam can resolve: the policy could neither explore nor come back to it.
     """
 
-    def __init__(self, pi: nn.Module, phi: nn.Module) -> None:
+    def __init__(self, pi: nn.Module, phi: nn.Module, min_sigma: float = 0.0) -> None:
         super().__init__()
-        self.pi, self.phi = pi, phi
+        self.pi, self.phi, self.min_sigma = pi, phi, min_sigma
 
     def forward(self, observation: Tensor) -> tuple[Tensor, Tensor]:
         mu, log_sigma = self.phi(*self.pi(observation))  # Eq. 7
+        if self.min_sigma > 0.0:
+            log_sigma = log_sigma.clamp(min=math.log(self.min_sigma))
         return mu, log_sigma
 
 
-def initial_policy(prior: nn.Module, phi: nn.Module, *, train_phi: bool) -> MappedPolicy:
+def initial_policy(
+    prior: nn.Module, phi: nn.Module, *, train_phi: bool, min_sigma: float = 0.0
+) -> MappedPolicy:
     """phi o pi with pi = p_a to begin with: a trainable copy, phi trainable if ``train_phi``."""
-    policy = copy.deepcopy(MappedPolicy(prior, phi)).requires_grad_(True)
+    policy = copy.deepcopy(MappedPolicy(prior, phi, min_sigma)).requires_grad_(True)
     policy.phi.requires_grad_(train_phi)
     return policy
 
 
-def frozen_prior(prior: nn.Module, phi: nn.Module) -> MappedPolicy:
+def frozen_prior(prior: nn.Module, phi: nn.Module, min_sigma: float = 0.0) -> MappedPolicy:
     """phi(p_a) of Eq. 9: a copy of its own that never learns.
 
     Sharing phi with the policy would let it lower the divergence by moving the prior instead.
     """
-    return copy.deepcopy(MappedPolicy(prior, phi)).requires_grad_(False).eval()
+    return copy.deepcopy(MappedPolicy(prior, phi, min_sigma)).requires_grad_(False).eval()

@@ -1,6 +1,7 @@
 """Eq. 7: pi' = phi o pi; the frozen phi(p_a) of Eq. 9 is out of reach."""
 
 import dataclasses
+import math
 
 import torch
 
@@ -34,6 +35,21 @@ def test_identity_map_leaves_the_prior(artifacts):
     observation = torch.randn(5, 3)
     policy = initial_policy(artifacts.source_prior, IdentityMap(), train_phi=True)
     torch.testing.assert_close(policy(observation), artifacts.source_prior(observation))
+
+
+def test_sigma_has_a_lower_bound_and_mu_none(artifacts):
+    observation = torch.randn(200, 3)
+    mu, log_sigma = artifacts.source_prior(observation)
+    bound = float(log_sigma.exp().median())
+    for policy in (
+        initial_policy(artifacts.source_prior, IdentityMap(), train_phi=True, min_sigma=bound),
+        frozen_prior(artifacts.source_prior, IdentityMap(), bound),
+    ):
+        found_mu, found = policy(observation)
+        torch.testing.assert_close(found_mu, mu)
+        torch.testing.assert_close(found.exp(), log_sigma.exp().clamp(min=bound))
+        assert (found > log_sigma + 1e-6).any()
+        assert (found > math.log(bound) + 1e-6).any()
 
 
 def test_learning_leaves_prior_and_artifacts_as_they_were(artifacts, params):

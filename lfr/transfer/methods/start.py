@@ -101,8 +101,10 @@ def start_from(
         pi: begins instead of ``prior``.
     """
     actor = SkillActor(
-        policy=initial_policy(pi or prior, phi, train_phi=params.train_phi),
-        prior=frozen_prior(prior, phi),
+        policy=initial_policy(
+            pi or prior, phi, train_phi=params.train_phi, min_sigma=params.min_sigma
+        ),
+        prior=frozen_prior(prior, phi, params.min_sigma),
         decoder=copy.deepcopy(decoder).requires_grad_(False).eval(),
     )
     return Start(actor, reference.normalizer, reference.layout_names)
