@@ -29,6 +29,7 @@ class LfrConfig(PreTrainedConfig):
         robot, task_name: the arm and the task that it has learned.
         networks: of each network its class and the arguments of its constructor.
         distribution: what the policy draws its skills from (`lfr.transfer.distribution`).
+        min_sigma: added in quadrature to its sigma (`lfr.transfer.policy.MappedPolicy`).
         about: all else that was saved with it: transfer, method, seed, parameters, provenance.
     """
 
@@ -36,6 +37,7 @@ class LfrConfig(PreTrainedConfig):
     task_name: str = ""
     networks: dict[str, Any] = field(default_factory=dict)
     distribution: str = "gaussian"
+    min_sigma: float = 0.0
     about: dict[str, Any] = field(default_factory=dict)
     # The networks scale their inputs themselves.
     normalization_mapping: dict[str, NormalizationMode] = field(

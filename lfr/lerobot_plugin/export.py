@@ -57,6 +57,7 @@ def export_policy(folder: Path, out: Path) -> tuple[str, str]:
         task_name=about["task"],
         networks=content["networks"],
         distribution=content.get("distribution", LfrConfig.distribution),
+        min_sigma=content.get("min_sigma", LfrConfig.min_sigma),
         about={key: value for key, value in about.items() if key not in ("robot", "task")},
         input_features=given,
         output_features=answered,

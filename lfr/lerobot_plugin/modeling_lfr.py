@@ -33,7 +33,7 @@ class LfrPolicy(PreTrainedPolicy):
         for name, entry in config.networks.items():
             networks[name] = PARTS[entry["class"]].network(**entry["shape"])
             self.add_module(name, networks[name].requires_grad_(False))
-        self._actor = actor_of(networks, config.distribution)
+        self._actor = actor_of(networks, config.distribution, config.min_sigma)
         self._task = config.task_name
         self._waiting: deque[Tensor] = deque()
 

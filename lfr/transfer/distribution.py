@@ -76,15 +76,16 @@ class SquashedGaussian:
 def tempered(divergence: Tensor, limit: float) -> Tensor:
     """D, and beyond the limit c its logarithm, c (1 + ln(D / c)): (B,) nats to (B,) nats.
 
-    Value and slope are continuous at c. A prior is as sure of itself where no demonstration has
-    been, and there a state's D reaches 1e5 nats for a skill that differs little: untempered, one
-    such state in a batch outweighs all others in Eq. 9 and in the TD target. By D ~ |mu - mu_p|^2
-    the slope beyond c falls as 2c / |mu - mu_p|, so the policy is still pulled back. SPiRL clips
-    instead, at 100 nats, where the pull ends. A limit of 0 leaves D as it is (the paper).
+    Value and slope are continuous at c. A prior is sure of itself where no demonstration has been
+    too, and there a state's D reaches 1e5 nats and more: untempered, one such state in a batch
+    outweighs all others in Eq. 9 and in the TD target. By D ~ |mu - mu_p|^2 the slope beyond c
+    falls as 2c / |mu - mu_p|, so the policy is still pulled back. SPiRL clips instead, at 100
+    nats, where the pull ends. A limit of 0 leaves D as it is (the paper).
     """
     if limit == 0.0:
         return divergence
-    return divergence.clamp(max=limit) + limit * (divergence / limit).clamp(min=1.0).log()
+    beyond = limit + limit * (divergence / limit).clamp(min=1.0).log()
+    return torch.where(divergence > limit, beyond, divergence)
 
 
 GAUSSIAN, SQUASHED = Gaussian(), SquashedGaussian()

@@ -87,8 +87,8 @@ class Learner:
 
     def divergence(self, mu: Tensor, log_sigma: Tensor, noise: Tensor, *prior: Tensor) -> Tensor:
         """KL to the prior's (mu, log_sigma), (B,), tempered: what Eq. 9 charges for a state."""
-        limit = self.params.divergence_limit * self.params.target_divergence
-        return tempered(self.distribution.divergence(mu, log_sigma, noise, *prior), limit)
+        divergence = self.distribution.divergence(mu, log_sigma, noise, *prior)
+        return tempered(divergence, self.params.divergence_limit)
 
     def subset(self) -> Tensor | None:
         """REDQ: the members (target_subset,) whose minimum this update's target takes."""

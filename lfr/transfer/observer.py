@@ -32,7 +32,7 @@ class CurvePoint:
     mean_return: float  # undiscounted sum of the skills' rewards, until success
     mean_length: float  # control steps
     learning_success: float | None  # of the episodes that were learned from, with sampled skills
-    kl: float | None
+    kl: float | None  # as Eq. 9 charges it: tempered (`lfr.transfer.distribution.tempered`)
     alpha: float | None
     sigma: float | None
     q: float | None

@@ -37,8 +37,8 @@ class TransferParams:
     target_subset: int = 0  # REDQ's random subset in the target; 0: the minimum over all critics
 
     target_divergence: float = 1.5  # nats, summed over the latent; SPiRL 1 (maze) to 5 (kitchen)
-    divergence_limit: float = 10.0  # times the target; a state's KL beyond it by its log; 0: none
-    min_sigma: float = 0.2  # of policy and prior; 0: as the prior has it
+    divergence_limit: float = 15.0  # nats; a state's KL beyond it counts by its log; 0: no limit
+    min_sigma: float = 0.0  # added in quadrature to sigma of policy and prior
     initial_alpha: float = 0.1
     alpha_lr: float = 1e-3
     fixed_alpha: bool = False  # True: alpha stays at initial_alpha, no dual descent

@@ -35,9 +35,9 @@ class MappedPolicy(nn.Module):
     and a tanh would only add SPiRL's trap of a slope that is not 1 at the mean.
 
     Attributes:
-        min_sigma: sigma is at least this, in a space whose skills are spread by about 1; 0 leaves
-            it as it is. A prior of few demonstrations is far surer of itself than it is right, and
-            than a step of Adam can resolve: the policy could neither explore nor come back to it.
+        min_sigma: is added to sigma in quadrature, sqrt(sigma^2 + min_sigma^2), so that sigma still
+            learns everywhere; 0 leaves it as it is. A prior can be surer of itself than steps of
+            Adam resolve: then the policy can neither come back to it nor explore around it.
     """
 
     def __init__(self, pi: nn.Module, phi: nn.Module, min_sigma: float = 0.0) -> None:
@@ -47,7 +47,8 @@ class MappedPolicy(nn.Module):
     def forward(self, observation: Tensor) -> tuple[Tensor, Tensor]:
         mu, log_sigma = self.phi(*self.pi(observation))  # Eq. 7
         if self.min_sigma > 0.0:
-            log_sigma = log_sigma.clamp(min=math.log(self.min_sigma))
+            bound = torch.full_like(log_sigma, 2.0 * math.log(self.min_sigma))
+            log_sigma = 0.5 * torch.logaddexp(2.0 * log_sigma, bound)
         return mu, log_sigma
 
 

@@ -65,7 +65,7 @@ def test_a_tempered_divergence_grows_by_its_logarithm_beyond_the_limit():
     expected = torch.tensor([0.0, 3.0, 15.0, 30.0, 15.0 * (1.0 + 4.0 * math.log(10.0))])
     torch.testing.assert_close(found, expected)
     (slope,) = torch.autograd.grad(found.sum(), divergence)
-    torch.testing.assert_close(slope[[0, 1, 3, 4]], torch.tensor([1.0, 1.0, 1.0 / math.e, 1e-4]))
+    torch.testing.assert_close(slope, torch.tensor([1.0, 1.0, 1.0, 1.0 / math.e, 1e-4]))
 
 
 def test_a_limit_of_zero_leaves_the_divergence_as_it_is():

@@ -1,7 +1,6 @@
 """Eq. 7: pi' = phi o pi; the frozen phi(p_a) of Eq. 9 is out of reach."""
 
 import dataclasses
-import math
 
 import torch
 
@@ -37,19 +36,34 @@ def test_identity_map_leaves_the_prior(artifacts):
     torch.testing.assert_close(policy(observation), artifacts.source_prior(observation))
 
 
-def test_sigma_has_a_lower_bound_and_mu_none(artifacts):
+def test_the_least_sigma_is_added_in_quadrature(artifacts):
     observation = torch.randn(200, 3)
     mu, log_sigma = artifacts.source_prior(observation)
-    bound = float(log_sigma.exp().median())
+    least = float(log_sigma.exp().median())
+    expected = (log_sigma.exp().square() + least**2).sqrt()
     for policy in (
-        initial_policy(artifacts.source_prior, IdentityMap(), train_phi=True, min_sigma=bound),
-        frozen_prior(artifacts.source_prior, IdentityMap(), bound),
+        initial_policy(artifacts.source_prior, IdentityMap(), train_phi=True, min_sigma=least),
+        frozen_prior(artifacts.source_prior, IdentityMap(), least),
     ):
         found_mu, found = policy(observation)
         torch.testing.assert_close(found_mu, mu)
-        torch.testing.assert_close(found.exp(), log_sigma.exp().clamp(min=bound))
-        assert (found > log_sigma + 1e-6).any()
-        assert (found > math.log(bound) + 1e-6).any()
+        torch.testing.assert_close(found.exp(), expected)
+
+
+def test_sigma_learns_however_small_it_is(artifacts):
+    class Sure(torch.nn.Module):
+        def __init__(self):
+            super().__init__()
+            self.log_sigma = torch.nn.Parameter(torch.tensor([[-3.0, -1.0]]))
+
+        def forward(self, observation):
+            return torch.zeros(1, 2), self.log_sigma
+
+    policy = initial_policy(Sure(), IdentityMap(), train_phi=True, min_sigma=0.2)
+    policy(torch.zeros(1, 3))[1].sum().backward()
+    # d log sigma' / d log sigma = sigma^2 / (sigma^2 + min_sigma^2)
+    square = torch.tensor([[-3.0, -1.0]]).exp().square()
+    torch.testing.assert_close(policy.pi.log_sigma.grad, square / (square + 0.04))
 
 
 def test_learning_leaves_prior_and_artifacts_as_they_were(artifacts, params):

@@ -2,7 +2,7 @@
 
 The same loop and learner as every method: z is one control step's action, and the prior that the
 policy is held near is the uniform distribution over actions, which makes of Eq. 9 SAC's entropy.
-Parameters that count skills then count control steps.
+Parameters that count skills then count control steps; ``min_sigma`` is not for this policy.
 """
 
 from __future__ import annotations
