@@ -9,6 +9,7 @@ from lfr.params import read_section
 from lfr.program import run_stage
 from lfr.scenarios import transfer as transfer_named
 from lfr.transfer.methods import VARIANTS
+from lfr.transfer.methods import method as method_named
 from pipeline._stage import unfinished_work
 from pipeline.paper._learning import CODE, learn_and_judge
 from pipeline.paper._plain import MODELS, POLICIES
@@ -33,8 +34,11 @@ class PlainLearning:
 
     def __post_init__(self) -> None:
         for method in self.methods:
+            method_named(method)
             if method in VARIANTS:
                 raise ParameterError(f"{method} needs {VARIANTS[method]}, which no plain model is")
+        if not self.rewards or "reward" in self.transfer:
+            raise ParameterError("the rewards stand in `rewards`, one at least")
 
 
 def main(transfer: str, method: str) -> None:

@@ -122,6 +122,24 @@ def test_plain_links_are_of_their_own_models_and_demonstrations(project: Path) -
         assert bool(episode.images) <= disturbed
 
 
+def test_who_learns_from_plain_models_begins_as_their_links_say(project: Path) -> None:
+    evidence = read_evidence(project / PAPER)
+    plain = evidence.plain[TRANSFER]
+    begun = {
+        method: [one.zero_shot for one in evidence.plain_runs if one.method == method]
+        for method in ("lfr", "ap")
+    }
+    assert begun == {
+        "lfr": list(plain.links["mapped"].rates), "ap": list(plain.links["identity"].rates)
+    }  # fmt: skip
+    (file,) = (project / PAPER / "learn").glob(f"{TRANSFER}-lfr.json")
+    (plain_file,) = (project / PAPER / "learn_plain").glob(f"{TRANSFER}-lfr.json")
+    ours, theirs = ({run["models"] for run in read_json(f)["runs"]} for f in (file, plain_file))
+    assert ours
+    assert theirs
+    assert not ours & theirs
+
+
 def test_a_second_time_nothing_runs(project: Path) -> None:
     before = _written(project / "results")
     printed = tiny_project.run(project, *REPRO).stdout

@@ -7,11 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from lfr.errors import DataError
+from lfr.errors import DataError, LfrError
+from lfr.params import from_mapping
 from lfr.scenarios import Transfer
 from lfr.transfer.params import TransferParams
 from pipeline.paper._runs import PaperRun, judgements, paper_run
 from pipeline.paper._stage import MODELS, VARIANTS, Judging
+from pipeline.paper.learn_plain import PlainLearning
 
 TRANSFER = Transfer("s-b-new", "s", "a", "b", ("lift",), "new")
 
@@ -104,3 +106,26 @@ def test_a_run_is_judged_by_both_judges_on_the_targets_task(project: Path) -> No
         assert vars(one.policy) == {"policy": str(run.folder / policy)}
     without = judgements(run, Judging(episodes=60, stock_episodes=10), zero_shot=False)
     assert without == [shard for shard in shards if shard[0] != "zero_shot"]
+
+
+def test_models_of_another_root_are_another_run(project: Path) -> None:
+    plain = Path("models/paper-plain")
+    for seed in (0, 1):
+        _write(plain, f"seed-{seed}/skills/source/vae/model", f"plain models {seed}")
+    run = paper_run(TRANSFER, "lfr", 0, TransferParams(), Path("work"), plain)
+    assert run.root == str(plain)
+    assert run.folder != _run().folder
+
+
+@pytest.mark.parametrize(
+    ("section", "message"),
+    [
+        ({"methods": ["shared_vae"], "rewards": ["sparse"]}, "shared_vae needs shared_vae"),
+        ({"methods": ["sca"], "rewards": ["sparse"]}, "unknown method 'sca'"),
+        ({"methods": ["ap"], "rewards": []}, "rewards"),
+        ({"methods": ["ap"], "rewards": ["sparse"], "transfer": {"reward": "dense"}}, "rewards"),
+    ],
+)
+def test_who_cannot_learn_from_plain_models_is_refused(section: dict, message: str) -> None:
+    with pytest.raises(LfrError, match=message):
+        from_mapping(PlainLearning, section, "learn_plain")

@@ -81,7 +81,8 @@ def learned(evidence: Evidence) -> list[str]:
         rows.append(["", "paper", *published])
     about = (
         "What learning makes of these models: mean over seeds before it, and after it with its "
-        "bootstrap interval, and each seed. All else is as in the tables above.\n"
+        "bootstrap interval, and each seed. Only demonstrations and models are plain; what else "
+        "differs is section `learn_plain` of paper/params.yaml.\n"
     )
     return [about, markdown(["method", "reward", *TASKS.values()], rows), *_against(evidence)]
 
