@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Literal
 
 import numpy as np
 from scipy.stats import trim_mean
@@ -20,6 +21,7 @@ RESAMPLES = 10_000
 GENERATOR_SEED = 0  # the same results, the same intervals, to the last bit
 
 Statistic = Callable[[np.ndarray], np.ndarray]
+Place = Literal["below", "level", "above"]
 
 
 @dataclass(frozen=True)
@@ -53,6 +55,10 @@ class Interval:
     value: float
     low: float
     high: float
+
+    def beside(self, other: Interval) -> Place:
+        """Where this one lies: apart from the other, below or above it, or overlapping, level."""
+        return "below" if self.high < other.low else "above" if self.low > other.high else "level"
 
 
 def mean(rates: np.ndarray) -> np.ndarray:

@@ -46,22 +46,19 @@ def identity_sentence(evidence: Evidence) -> str | None:
 
     None before both were measured on some task.
     """
-    found: dict[str, list[str]] = {"lower": [], "level": [], "higher": []}
+    found: dict[str, list[str]] = {"below": [], "level": [], "above": []}
     every, own_arm = (_both(evidence, link) for link in ("identity", "own_arm"))
     for transfer, (ours, plain) in every.items():
-        change = _change(ours, plain)
-        place = "level"
-        if plain.high < ours.low or plain.low > ours.high:
-            place = "lower" if plain.high < ours.low else "higher"
-            if transfer in own_arm:
-                change += f"; the source on its own arm {_change(*own_arm[transfer])}"
+        change, place = _change(ours, plain), plain.beside(ours)
+        if place != "level" and transfer in own_arm:
+            change += f"; the source on its own arm {_change(*own_arm[transfer])}"
         found[place].append(f"{TASKS[transfer]} ({change})")
     if not every:
         return None
-    count = f"{len(found['lower'])} of {len(every)} task{'s' * (len(every) > 1)}"
-    said = [f"With these choices set back `identity` falls on {count}{_named(found['lower'])}."]
-    if found["higher"]:
-        said.append(f"It rises on {len(found['higher'])}{_named(found['higher'])}.")
+    count = f"{len(found['below'])} of {len(every)} task{'s' * (len(every) > 1)}"
+    said = [f"With these choices set back `identity` falls on {count}{_named(found['below'])}."]
+    if found["above"]:
+        said.append(f"It rises on {len(found['above'])}{_named(found['above'])}.")
     if found["level"]:
         said.append(f"Its intervals overlap on {len(found['level'])}{_named(found['level'])}.")
     return f"{' '.join(said)}\n"
@@ -107,7 +104,7 @@ def _against(evidence: Evidence) -> list[str]:
     sentences = []
     runs = evidence.plain_runs
     for method in in_order((run.method for run in runs if run.method != OURS), METHODS):
-        found: dict[str, list[str]] = {"below": [], "not told apart from": [], "above": []}
+        found: dict[str, list[str]] = {"below": [], "level": [], "above": []}
         for transfer, task in TASKS.items():
             for reward in REWARDS:
                 ours, other = (_plain_runs(evidence, transfer, name, reward)
@@ -115,15 +112,16 @@ def _against(evidence: Evidence) -> list[str]:
                 if not ours or not other:
                     continue
                 we, they = (bootstrap([counts(one)], mean) for one in (ours, other))
-                place = "not told apart from"
-                if they.high < we.low or they.low > we.high:
-                    place = "below" if they.high < we.low else "above"
                 points = f"{percent(they.value)} against {percent(we.value)}"
-                found[place].append(f"{task}, {reward} ({points})")
-        said = [f"{place} LfR on {len(at)}: {', '.join(at)}" for place, at in found.items() if at]
+                found[they.beside(we)].append(f"{task}, {reward} ({points})")
+        words = {"below": "below", "level": "not told apart from", "above": "above"}
+        said = [
+            f"{words[place]} LfR on {len(at)}: {', '.join(at)}" for place, at in found.items() if at
+        ]
         if said:
             sentences.append(
-                f"From plain models, having learned, {method_label(method)} is {'; '.join(said)}.\n"
+                f"From plain models, having learned, {method_label(method)} is, by the intervals "
+                f"of these means, {'; '.join(said)}.\n"
             )
     return sentences
 

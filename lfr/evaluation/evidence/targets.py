@@ -89,8 +89,7 @@ def standing(evidence: Evidence, transfer: str, reward: str) -> Standing | None:
             others[no_learning(link)] = bootstrap([found.links[link]]), bootstrap([counts(ours)])
     places: dict[str, dict[str, Interval]] = {"below": {}, "level": {}, "above": {}}
     for name, (one, lfr) in others.items():
-        place = "below" if one.high < lfr.low else "above" if one.low > lfr.high else "level"
-        places[place][name] = one
+        places[one.beside(lfr)][name] = one
     return Standing(bootstrap([counts(runs)]), **places)
 
 

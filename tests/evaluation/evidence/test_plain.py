@@ -98,7 +98,8 @@ def test_who_learned_from_plain_models_stands_beside_the_paper(paper: Path) -> N
     published = [row for row in cells(section, "") if row[1] == "paper"]
     assert [row[5] for row in published] == ["82.5 ± 3.2", "10.6 ± 5.7"]
     assert section.rstrip().endswith(
-        "From plain models, having learned, AP is below LfR on 1: Pick-Place, Sawyer, sparse (25.0 "
-        "against 96.0); not told apart from LfR on 1: Lift, Panda, sparse (91.0 against 91.0)."
+        "From plain models, having learned, AP is, by the intervals of these means, below LfR on "
+        "1: Pick-Place, Sawyer, sparse (25.0 against 96.0); not told apart from LfR on 1: Lift, "
+        "Panda, sparse (91.0 against 91.0)."
     )
     assert not evidence.runs  # they are not the tables'
