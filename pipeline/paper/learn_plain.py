@@ -44,8 +44,8 @@ class PlainLearning:
 def main(transfer: str, method: str) -> None:
     """Run it; the policies go to models/paper-plain-policies/<transfer>-<method>.
 
-    For the seeds of ``questions``. Nothing but the models, and section ``learn_plain``, differs
-    from the stage learn.
+    For the seeds of ``questions``. All else but the models, and section ``learn_plain``, is that
+    of the stage learn.
     """
     chosen, name = transfer_named(transfer), f"{transfer}-{method}"
     plain, plan = read_section(PlainLearning, "learn_plain", PARAMS), learning()

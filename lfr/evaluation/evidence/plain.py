@@ -71,7 +71,7 @@ def learned(evidence: Evidence) -> list[str]:
         return []
     rows: list[list[object]] = []
     for method in in_order((run.method for run in runs), METHODS):
-        for reward in in_order((run.reward or "" for run in runs if run.method == method), REWARDS):
+        for reward in in_order((str(run.reward) for run in runs if run.method == method), REWARDS):
             found = [_plain_runs(evidence, transfer, method, reward) for transfer in TASKS]
             rows.append([method_label(method), reward, *map(_learned_cell, found)])
         published = [PUBLISHED.get((transfer, method), DASH) for transfer in TASKS]
