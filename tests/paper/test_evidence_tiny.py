@@ -141,6 +141,19 @@ def test_who_learns_from_plain_models_begins_as_their_links_say(project: Path) -
     assert not ours & theirs
 
 
+def test_choices_in_between_keep_what_is_not_set_back(project: Path) -> None:
+    """Each has links of its own, from models that are as plain as its name says."""
+    evidence = read_evidence(project / PAPER)
+    parts, plain = evidence.parts[TRANSFER], evidence.plain[TRANSFER]
+    assert set(parts) == {"vae", "all_but_vae"}
+    assert {tuple(one.links) for one in parts.values()} == {tuple(plain.links)}
+    for name, executed in (("vae", 10), ("all_but_vae", 5)):
+        work = project / "work/paper-plain-parts" / f"{TRANSFER}-{name}"
+        vaes = list(work.glob("*/models/seed-0/skills/*/vae"))
+        assert len(vaes) == 3
+        assert {load_vae(vae).execute for vae in vaes} == {executed}
+
+
 def test_a_second_time_nothing_runs(project: Path) -> None:
     before = _written(project / "results")
     printed = tiny_project.run(project, *REPRO).stdout

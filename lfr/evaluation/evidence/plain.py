@@ -160,20 +160,23 @@ def _both(evidence: Evidence, link: str) -> dict[str, tuple[Interval, Interval]]
     return found
 
 
-def _ours(evidence: Evidence, transfer: str, link: str) -> Links | None:
-    """The link alone, with our choices, of the seeds that the plain ones have.
+def of_same_seeds(ours: Links | None, other: Links | None, link: str) -> Links | None:
+    """The link alone, with our choices, of the seeds that ``other`` has of it.
 
     None where one of the two lacks it, or they share no seed.
     """
-    ours, plain = evidence.links.get(transfer), evidence.plain.get(transfer)
-    if not ours or not plain or link not in ours.links or link not in plain.links:
+    if not ours or not other or link not in ours.links or link not in other.links:
         return None
     found, known = ours.links[link], ours.seeds[link]
-    places = [place for place, seed in enumerate(known) if seed in plain.seeds[link]]
+    places = [place for place, seed in enumerate(known) if seed in other.seeds[link]]
     if not places:
         return None
     same = Seeds(
         tuple(found.successes[place] for place in places),
         tuple(found.episodes[place] for place in places),
     )
-    return Links(transfer, {link: same}, {link: tuple(known[place] for place in places)})
+    return Links(ours.transfer, {link: same}, {link: tuple(known[place] for place in places)})
+
+
+def _ours(evidence: Evidence, transfer: str, link: str) -> Links | None:
+    return of_same_seeds(evidence.links.get(transfer), evidence.plain.get(transfer), link)

@@ -23,7 +23,7 @@ PAPER = RESULTS / "paper"
 # as they are run
 STAGES = (
     "models", "variants", "zero_shot", "imitate", "learn", "reference", "plain_demonstrations",
-    "plain", "learn_plain",
+    "plain", "learn_plain", "plain_parts",
 )  # fmt: skip
 STOCK = "robosuite"
 
@@ -97,6 +97,7 @@ class Evidence:
         links: transfer -> links.
         plain: the same of models that learned from plain demonstrations.
         plain_runs: of methods that began with these models.
+        parts: transfer -> what of that was plain -> links.
         stages: stage -> key -> its last run.
         reference: SAC beside robosuite-benchmark's; None before both are there.
     """
@@ -105,6 +106,7 @@ class Evidence:
     links: dict[str, Links] = field(default_factory=dict)
     plain: dict[str, Links] = field(default_factory=dict)
     plain_runs: tuple[SeedRun, ...] = ()
+    parts: dict[str, dict[str, Links]] = field(default_factory=dict)
     stages: dict[str, dict[str, StageRun]] = field(default_factory=dict)
     reference: Reference | None = None
 
@@ -156,7 +158,8 @@ def read_evidence(paper: Path = PAPER) -> Evidence:
     plain_runs = _ordered(paper, _learned(paper / "learn_plain"))
     reference = read_reference(paper / "reference" / "lift-panda.csv")
     links, plain = (_all_links(paper / stage) for stage in ("zero_shot", "plain"))
-    return Evidence(runs, links, plain, plain_runs, _stages(paper), reference)
+    parts = _parts(paper / "plain_parts")
+    return Evidence(runs, links, plain, plain_runs, parts, _stages(paper), reference)
 
 
 def _ordered(paper: Path, runs: Sequence[SeedRun]) -> tuple[SeedRun, ...]:
@@ -216,6 +219,13 @@ def _all_links(folder: Path) -> dict[str, Links]:
     """transfer -> links"""
     found = [_links(content) for _, content in _files(folder)]
     return {one.transfer: one for one in found}
+
+
+def _parts(folder: Path) -> dict[str, dict[str, Links]]:
+    found: dict[str, dict[str, Links]] = {}
+    for _, content in _files(folder):
+        found.setdefault(content["transfer"], {})[content["plain"]] = _links(content)
+    return found
 
 
 def _links(content: dict[str, Any]) -> Links:

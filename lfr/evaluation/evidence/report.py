@@ -9,6 +9,8 @@ from lfr.evaluation.evidence.claims import disagreements, standings, time_of_run
 from lfr.evaluation.evidence.curves import LEVELS
 from lfr.evaluation.evidence.figures import FIGURES, others
 from lfr.evaluation.evidence.findings import findings, reasons, short_table
+from lfr.evaluation.evidence.parts import TITLE as WHICH
+from lfr.evaluation.evidence.parts import parts_section
 from lfr.evaluation.evidence.plain import TITLE, plain_section
 from lfr.evaluation.evidence.published import TABLES, TASKS
 from lfr.evaluation.evidence.records import STAGES, Evidence
@@ -23,7 +25,7 @@ from lfr.evaluation.evidence.targets import NO_LEARNING, targets_table
 from lfr.evaluation.tables import stage_table
 
 # stages that the paper's tables can do without
-EXTRA = ("zero_shot", "reference", "plain_demonstrations", "plain", "learn_plain")
+EXTRA = ("zero_shot", "reference", "plain_demonstrations", "plain", "learn_plain", "plain_parts")
 TITLES = {
     "figure3": "Figure 3: scenario 1, the paper's methods",
     "figure4": "Figure 4: scenario 2, the paper's methods",
@@ -99,7 +101,7 @@ then demonstrations are recorded, models trained and judged on the same starts o
 seeds, the same ones in both rows, with its bootstrap interval, and each seed. A task counts as
 fallen or risen where these intervals do not overlap.
 
-{plain_section(evidence)}
+{plain_section(evidence)}{_parts(evidence)}
 ## Where this disagrees with the paper
 
 The paper's figures outside the interval of our mean.
@@ -128,6 +130,19 @@ of the seeds; its interval is a stratified bootstrap over seeds, and over the ep
 (Agarwal et al. 2021; `lfr.evaluation.evidence.aggregate`), and never narrower than Wilson's of all
 episodes. Every number is computed from the files beside this one, by
 `python -m pipeline.paper.report`."""
+
+
+def _parts(evidence: Evidence) -> str:
+    found = parts_section(evidence)
+    if found is None:
+        return ""
+    return f"""
+### {WHICH}
+
+Models of the choices in between: one part of them set back alone, and all of them but one.
+The same seeds in every row, as far as they have been run.
+
+{found}"""
 
 
 def _stock(evidence: Evidence) -> str:

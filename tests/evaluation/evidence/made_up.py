@@ -58,12 +58,18 @@ def imitated(paper: Path, transfer: str, successes: Sequence[int]) -> None:
 
 
 def zero_shot(
-    paper: Path, transfer: str, links: Mapping[str, Sequence[int]], stage: str = "zero_shot"
+    paper: Path,
+    transfer: str,
+    links: Mapping[str, Sequence[int]],
+    stage: str = "zero_shot",
+    part: str = "",
 ) -> None:
-    """Success of links, a seed each, as ``stage`` writes it: "zero_shot" or "plain"."""
+    """Success of links, a seed each, as ``stage`` writes it: "zero_shot", "plain", or
+    "plain_parts" with what of that was plain."""
     found = {
         link: {"runs": [{"seed": seed, **rate(count)} for seed, count in enumerate(counts)]}
         for link, counts in links.items()
     }
-    write_json(paper / stage / f"{transfer}.json",
-               {"transfer": transfer, "links": found, **RUN})  # fmt: skip
+    about = {"transfer": transfer, **({"plain": part} if part else {})}
+    name = f"{transfer}-{part}" if part else transfer
+    write_json(paper / stage / f"{name}.json", {**about, "links": found, **RUN})
