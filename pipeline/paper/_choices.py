@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 from lfr.evaluation.questions import model_trials
-from lfr.evaluation.trials import success_rates
 from lfr.jobs import run_jobs
 from lfr.mapping.models import fit_mapping, mapping_job
 from lfr.mapping.training import MappingParams
@@ -18,19 +17,15 @@ from lfr.skills.demonstrations import DATASETS as OURS
 from lfr.skills.models import fit_model, model_jobs, model_report, roles_of
 from lfr.skills.params import SkillsParams
 from pipeline._stage import rows_of, unfinished_work
+from pipeline.paper._links import CODE as LINK_CODE
+from pipeline.paper._links import judged_links
 from pipeline.paper._plain import DATASETS as PLAIN
 from pipeline.paper._plain import plain_section
 from pipeline.paper._spent import Spent
 
-MODEL_CODE = (
+CODE = (
     "lfr.skills", "lfr.mapping", "lfr.models", "lfr.data", "lfr.columns", "lfr.scenarios",
     "lfr.seeds", "lfr.robots", "lfr.tasks",
-)  # fmt: skip
-LINK_CODE = (
-    "lfr.ablations.other_task", "lfr.mapping", "lfr.skills", "lfr.models", "lfr.sim", "lfr.seeds",
-    "lfr.robots", "lfr.tasks",
-    "lfr.evaluation.chain", "lfr.evaluation.policies", "lfr.evaluation.questions",
-    "lfr.evaluation.rollouts", "lfr.evaluation.trials",
 )  # fmt: skip
 LINKS = ("own_arm", "identity", "recoded", "mapped", "oracle")
 PARTS = ("demonstrations", "vae", "prior", "mapping")
@@ -92,7 +87,7 @@ def train(
     }
     work = unfinished_work(
         stage, name, known, chosen.skills, chosen.mapping, *rows_of(sorted(datasets)),
-        code=MODEL_CODE,
+        code=CODE,
     )  # fmt: skip
     spent = Spent(work)
     runs, folders = [], {seed: work / f"models/seed-{seed}" for seed in seeds}
@@ -114,24 +109,12 @@ def train(
 def judge(
     transfer: Transfer, folders: Mapping[int, Path], episodes: int, stage: str, name: str
 ) -> dict[str, dict[str, list[Any]]]:
-    """Success of the models' `LINKS` by name, as the stage zero_shot writes it.
-
-    Args:
-        folders: by seed.
-        stage, name: of the unfinished work.
-    """
+    """Success of the `LINKS` of each seed's folder of models, as the stage zero_shot writes it."""
     trials = {
         (seed, link): trial
         for seed, folder in folders.items()
         for link, trial in model_trials(transfer, folder, episodes).items()
         if link in LINKS
     }
-    # A trial names its policy by content, so that another seed runs its own trials alone.
     work = unfinished_work(stage, name, code=LINK_CODE)
-    named = {f"{seed}/{link}": trial for (seed, link), trial in trials.items()}
-    success = success_rates(named, work, f"{stage} {name}")
-    links: dict[str, dict[str, list[Any]]] = {}
-    for seed, link in trials:
-        runs = links.setdefault(link, {"runs": []})["runs"]
-        runs.append({"seed": seed, **success[f"{seed}/{link}"]})
-    return links
+    return judged_links(trials, work, f"{stage} {name}")
