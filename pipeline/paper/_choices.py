@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from lfr.errors import ParameterError
 from lfr.evaluation.questions import model_trials
 from lfr.jobs import run_jobs
 from lfr.mapping.models import fit_mapping, mapping_job
@@ -22,14 +23,16 @@ from pipeline.paper._links import judged_links
 from pipeline.paper._plain import DATASETS as PLAIN
 from pipeline.paper._plain import plain_section
 from pipeline.paper._spent import Spent
+from pipeline.paper._stage import PARAMS
 
 CODE = (
     "lfr.skills", "lfr.mapping", "lfr.models", "lfr.data", "lfr.columns", "lfr.scenarios",
     "lfr.seeds", "lfr.robots", "lfr.tasks",
 )  # fmt: skip
 LINKS = ("own_arm", "identity", "recoded", "mapped", "oracle")
-PARTS = ("demonstrations", "vae", "prior", "mapping")
-"""What section ``plain`` sets back: ``record``, ``skills.vae``, ``skills.prior``, ``mapping``."""
+PARTS = ("demonstrations", "execute", "vae", "prior", "mapping")
+"""What section ``plain`` sets back: ``record``; how much of a skill is carried out, and the rest of
+``skills.vae``; ``skills.prior``; ``mapping``."""
 
 
 @dataclass(frozen=True)
@@ -54,19 +57,23 @@ class Trained:
     spent: Spent
 
 
-def choices(plain: Collection[str]) -> Choices:
-    """The main job's, but for those of `PARTS` that are plain.
+def choices(set_back: Collection[str]) -> Choices:
+    """The main job's, but for those of `PARTS` that are set back to the paper's reading.
 
     Raises:
-        ParameterError: a section of either parameter file does not fit.
+        ParameterError: a section of either parameter file does not fit, or ``plain`` changes what
+            is in no part.
     """
-    ours, back = read_section(SkillsParams, "skills"), plain_section(SkillsParams, "skills")
-    vae, prior = ((back if part in plain else ours) for part in ("vae", "prior"))
+    ours, plain = read_section(SkillsParams, "skills"), plain_section(SkillsParams, "skills")
+    if replace(plain, vae=ours.vae, prior=ours.prior) != ours:
+        raise ParameterError(f"{PARAMS}: plain.skills: only vae and prior may differ")
+    execute, vae, prior = ((plain if part in set_back else ours)
+                           for part in ("execute", "vae", "prior"))  # fmt: skip
     return Choices(
-        PLAIN if "demonstrations" in plain else OURS,
-        replace(ours, vae=vae.vae, prior=prior.prior),
+        PLAIN if "demonstrations" in set_back else OURS,
+        replace(ours, vae=replace(vae.vae, execute=execute.vae.execute), prior=prior.prior),
         plain_section(MappingParams, "mapping")
-        if "mapping" in plain
+        if "mapping" in set_back
         else read_section(MappingParams, "mapping"),
     )
 

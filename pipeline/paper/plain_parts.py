@@ -1,4 +1,4 @@
-"""Stage plain_parts: which of the choices beyond the paper carries a transfer's links."""
+"""Stage plain_parts: links of one transfer with one part of the choices set back, or all but it."""
 
 import sys
 from dataclasses import dataclass
@@ -15,49 +15,56 @@ ALL_BUT = "all_but_"
 
 @dataclass(frozen=True)
 class PartsParams:
-    """Section ``plain_parts``: what is set back to the paper's reading, and on which transfers.
+    """Section ``plain_parts``.
 
     Attributes:
-        plain: one of `pipeline.paper._choices.PARTS` each, alone, or ``all_but_<part>``.
+        transfers: that are taken apart.
+        set_back: names of sets, see `parts_of`.
     """
 
     transfers: tuple[str, ...]
-    plain: tuple[str, ...]
+    set_back: tuple[str, ...]
 
     def __post_init__(self) -> None:
+        for name, found in (("transfers", self.transfers), ("set_back", self.set_back)):
+            if len(set(found)) != len(found):
+                raise ParameterError(f"{name} must name each once, found {', '.join(found)}")
         for transfer in self.transfers:
             transfer_named(transfer)
-        for name in self.plain:
+        for name in self.set_back:
             parts_of(name)
 
 
-def parts_of(plain: str) -> set[str]:
-    """The parts that a name of ``plain`` sets back.
+def parts_of(name: str) -> list[str]:
+    """The parts that are set back: ``<part>`` of `PARTS` itself, ``all_but_<part>`` the others.
 
     Raises:
         ParameterError: it names no part.
     """
-    part = plain.removeprefix(ALL_BUT)
+    part = name.removeprefix(ALL_BUT)
     if part not in PARTS:
-        raise ParameterError(f"plain must be of {', '.join(PARTS)}, or {ALL_BUT}one, found {plain}")
-    return {one for one in PARTS if (one == part) is (part == plain)}
+        raise ParameterError(
+            f"set_back must be of {', '.join(PARTS)}, or {ALL_BUT}one, found {name!r}"
+        )
+    return [one for one in PARTS if (one == part) is (part == name)]
 
 
-def main(transfer: str, plain: str) -> None:
-    """Train models for the seeds of ``questions``, judge their links, and keep no model.
+def main(transfer: str, set_back: str) -> None:
+    """Train models for the seeds of ``questions`` and judge their links.
 
-    A part alone says whether the links need our choice where they have all the others; all but a
-    part, whether that choice is enough where they have none else.
+    The models stay where the unfinished work is; nothing else begins with them.
     """
-    chosen, known = transfer_named(transfer), read_section(PartsParams, "plain_parts", PARAMS)
-    if plain not in known.plain:
-        raise UnknownNameError("choice", plain, known.plain)
-    name, seeds = f"{transfer}-{plain}", paper_seeds().questions
-    trained = train(chosen, choices(parts_of(plain)), seeds, "paper-plain-parts", name)
-    episodes = judging().episodes
+    known = read_section(PartsParams, "plain_parts", PARAMS)
+    if transfer not in known.transfers:
+        raise UnknownNameError("transfer", transfer, known.transfers)
+    if set_back not in known.set_back:
+        raise UnknownNameError("set of parts", set_back, known.set_back)
+    chosen, name, parts = transfer_named(transfer), f"{transfer}-{set_back}", parts_of(set_back)
+    seeds, episodes = paper_seeds().questions, judging().episodes
+    trained = train(chosen, choices(parts), seeds, "paper-plain-parts", name)
     links = judge(chosen, trained.folders, episodes, "paper-plain-parts-links", name)
     about = {"source": chosen.source, "target": chosen.target, "task": chosen.task}
-    found = {"transfer": transfer, "plain": plain, **about, "links": links, "runs": trained.runs}
+    found = {"transfer": transfer, "set_back": parts, **about, "links": links, "runs": trained.runs}
     trained.spent.write("plain_parts", name, found)
 
 

@@ -141,17 +141,42 @@ def test_who_learns_from_plain_models_begins_as_their_links_say(project: Path) -
     assert not ours & theirs
 
 
-def test_choices_in_between_keep_what_is_not_set_back(project: Path) -> None:
-    """Each has links of its own, from models that are as plain as its name says."""
-    evidence = read_evidence(project / PAPER)
-    parts, plain = evidence.parts[TRANSFER], evidence.plain[TRANSFER]
-    assert set(parts) == {"vae", "all_but_vae"}
-    assert {tuple(one.links) for one in parts.values()} == {tuple(plain.links)}
-    for name, executed in (("vae", 10), ("all_but_vae", 5)):
-        work = project / "work/paper-plain-parts" / f"{TRANSFER}-{name}"
-        vaes = list(work.glob("*/models/seed-0/skills/*/vae"))
-        assert len(vaes) == 3
-        assert {load_vae(vae).execute for vae in vaes} == {executed}
+def test_parts_leave_all_else_as_it_was(project: Path) -> None:
+    """Where a set of choices touches no model of a link, the link is that of the other stage."""
+    parts = read_evidence(project / PAPER).parts[TRANSFER]
+    every = {"demonstrations", "execute", "vae", "prior", "mapping"}
+    names = {"mapping": {"mapping"}, "all_but_execute": every - {"execute"}}
+    assert [set(set_back) for set_back in parts] == [names["all_but_execute"], names["mapping"]]
+    found = {
+        name: read_json(project / PAPER / f"plain_parts/{TRANSFER}-{name}.json") for name in names
+    }
+    ours = read_json(project / PAPER / f"zero_shot/{TRANSFER}.json")["links"]
+    (seed,) = read_yaml(project / "paper/params.yaml")["seeds"]["questions"]
+    links = found["mapping"]["links"]
+    for link in ("own_arm", "identity", "recoded", "oracle"):
+        same = [run for run in ours[link]["runs"] if run["seed"] == seed]
+        assert links[link]["runs"] == same
+    trained = {name: _trained(content) for name, content in found.items()}
+    models, plain = (
+        _trained(read_json(project / PAPER / f"{stage}/{TRANSFER}.json"))
+        for stage in ("models", "plain")
+    )
+    assert trained["mapping"]["skills"] == models["skills"]
+    assert trained["mapping"]["mapping"] != models["mapping"]
+    # How much is carried out changes neither VAE nor prior, but what they are asked for.
+    assert trained["all_but_execute"]["skills"] == plain["skills"] != models["skills"]
+    executed = {
+        load_vae(vae).execute
+        for vae in project.glob(f"work/paper-plain-parts/{TRANSFER}-all_but_execute/*/models/"
+                                "seed-*/skills/*/vae")
+    }  # fmt: skip
+    assert executed == {5}
+
+
+def _trained(content: dict[str, Any]) -> dict[str, Any]:
+    """What a stage says of the first seed's models."""
+    run = min(content["runs"], key=lambda run: run["seed"])
+    return {"skills": run["skills"], "mapping": run["mapping"]}
 
 
 def test_a_second_time_nothing_runs(project: Path) -> None:

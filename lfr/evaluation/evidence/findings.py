@@ -75,7 +75,7 @@ def _rival(evidence: Evidence, label: str, what: str) -> str | None:
     parts = [
         f"**{label[0].upper()}{label[1:]} {verdict} {share} "
         f"comparison{'s' * (every > 1)} of task and reward**: {what}. "
-        f"Its success is {_points(min(points), max(points))} LfR's."
+        f"Its interquartile mean is {_points(min(points), max(points))} LfR's."
     ]
     for said, named in (("Better: ", places["above"]), ("Worse: ", places["below"])):
         parts += [f"{said}{'; '.join(named)}."] if named and good else []

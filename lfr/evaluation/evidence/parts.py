@@ -1,91 +1,117 @@
-"""Which of the choices beyond the paper carries a link: each set back alone, and all but each."""
+"""Which part of the choices beyond the paper a link needs: one set back alone, and all but one."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from lfr.evaluation.evidence.aggregate import bootstrap, mean
 from lfr.evaluation.evidence.names import LINKS, in_order
-from lfr.evaluation.evidence.plain import of_same_seeds
 from lfr.evaluation.evidence.published import TASKS
-from lfr.evaluation.evidence.records import Evidence, Links
+from lfr.evaluation.evidence.records import Evidence, Links, same_seeds
 from lfr.evaluation.evidence.tables import link_cell, percent
 from lfr.evaluation.tables import markdown
 
-TITLE = "Which choice it is"
+TITLE = "Which part of the choices"
 PARTS = {
-    "demonstrations": "demonstrations undisturbed",
-    "vae": "the VAE's",
-    "prior": "the prior's",
-    "mapping": "the mapping's",
+    "demonstrations": "noise, shoves and slips while the demonstrator acts, drifted starts",
+    "execute": "how much of a skill is carried out before the next one",
+    "vae": "the size of the latent space, augmented windows",
+    "prior": "blurred inputs, moved copies of the demonstrations",
+    "mapping": "blurred inputs, moved copies, the share of posteriors among the pairs",
 }
-"""Parts of the choices, as the stage plain_parts names them, and what they are called."""
-ALL_BUT = "all_but_"
-SAID = ("identity", "mapped")  # where AP begins, and LfR
+"""The parts, as the stage plain_parts names them, and what each one is."""
+# where AP begins, and LfR, each with the parts that can move it
+SAID = {"identity": set(PARTS) - {"mapping"}, "mapped": set(PARTS)}
+OWN_ARM = "own_arm"
+
+Sets = Mapping[str, Links]
+"""part -> links with this part set back alone, or with all but this one set back"""
 
 
 def parts_section(evidence: Evidence) -> str | None:
-    """A table for each transfer that was taken apart, and what it says; None if none was."""
-    if not evidence.parts:
-        return None
+    """What the parts are, and for each transfer that was taken apart a table and what it says.
+
+    None if none was.
+    """
     found = [transfer for transfer in TASKS if transfer in evidence.parts]
-    return "\n".join(
+    if not found:
+        return None
+    about = "\n".join(f"- `{part}`: {what}" for part, what in PARTS.items())
+    others = [task for transfer, task in TASKS.items() if transfer not in found]
+    not_done = f"Not taken apart: {'; '.join(others)}.\n" if others else ""
+    each = (
         f"{TASKS[transfer]}:\n\n{_table(evidence, transfer)}\n{_said(evidence, transfer)}"
         for transfer in found
     )
+    return "\n".join([f"{about}\n", *each, not_done]).rstrip() + "\n"
+
+
+def _sets(evidence: Evidence, transfer: str) -> tuple[Sets, Sets]:
+    """Those with one part set back, and those with all but one."""
+    alone, all_but = {}, {}
+    for set_back, links in evidence.parts[transfer].items():
+        kept = set(PARTS) - set(set_back)
+        if len(set_back) == 1:
+            alone[set_back[0]] = links
+        elif len(kept) == 1:
+            all_but[kept.pop()] = links
+    return alone, all_but
 
 
 def _table(evidence: Evidence, transfer: str) -> str:
     """A row for each set of choices, from ours to the paper's reading; a column for each link."""
-    parts, ours = evidence.parts[transfer], evidence.links.get(transfer)
-    links = in_order((link for one in parts.values() for link in one.links), LINKS)
-    (some, *_) = parts.values()
-    same = [link_cell(of_same_seeds(ours, some, link), link) for link in links]
-    names = in_order(parts, [*PARTS, *(f"{ALL_BUT}{part}" for part in PARTS)])
-    plain = evidence.plain.get(transfer)
-    rows = [
-        ["nothing", *same],
-        *([_label(name), *(link_cell(parts[name], link) for link in links)] for name in names),
-        ["all", *(link_cell(plain, link) for link in links)],
-    ]
-    return markdown(["set back", *(f"`{link}`" for link in links)], rows)
-
-
-def _label(name: str) -> str:
-    part = name.removeprefix(ALL_BUT)
-    said = PARTS.get(part, part)
-    return said if part == name else f"all but {said}"
+    alone, all_but = _sets(evidence, transfer)
+    rows: list[tuple[str, Links | None]] = [("nothing", evidence.links.get(transfer))]
+    rows += [(f"`{part}`", alone[part]) for part in in_order(alone, PARTS)]
+    rows += [(f"all but `{part}`", all_but[part]) for part in in_order(all_but, PARTS)]
+    rows.append(("all", evidence.plain.get(transfer)))
+    sets = [found for _, found in rows]
+    links = in_order((link for one in (*alone.values(), *all_but.values()) for link in one.links),
+                     LINKS)  # fmt: skip
+    columns = [[link_cell(found, link) for found in same_seeds(link, sets)] for link in links]
+    header = ["set back", *(f"`{link}`" for link in links)]
+    names = (name for name, _ in rows)
+    return markdown(header, [list(row) for row in zip(names, *columns, strict=True)])
 
 
 def _said(evidence: Evidence, transfer: str) -> str:
-    """Of each of `SAID`, which part alone takes it down, and which alone brings it up again."""
-    parts, sentences = evidence.parts[transfer], []
-    ours, plain = evidence.links.get(transfer), evidence.plain.get(transfer)
-    alone = {name: one for name, one in parts.items() if not name.startswith(ALL_BUT)}
-    kept = {name: one for name, one in parts.items() if name.startswith(ALL_BUT)}
-    for link in SAID:
-        fall = _moved(ours, alone, link, "below")
-        rise = _moved(plain, kept, link, "above")
-        if fall is not None:
-            sentences.append(f"`{link}` falls where one is set back alone: {fall}.")
-        if rise is not None:
-            sentences.append(f"`{link}` rises where one alone is not set back: {rise}.")
-    return f"{' '.join(sentences)}\n" if sentences else ""
+    """Of each of `SAID`, what each part does: set back alone, and kept alone."""
+    alone, all_but = _sets(evidence, transfer)
+    sentences = []
+    for link, parts in SAID.items():
+        for before, sets, how in (
+            (evidence.links.get(transfer), alone, "Beside ours, one part set back"),
+            (evidence.plain.get(transfer), all_but, "Beside the paper's reading, one part kept"),
+        ):
+            moved = _moved(before, {p: one for p, one in sets.items() if p in parts}, link)
+            if moved:
+                sentences.append(f"- {how}, `{link}` is {moved}.\n")
+    return "".join(sentences)
 
 
-def _moved(before: Links | None, others: dict[str, Links], link: str, place: str) -> str | None:
-    """``the prior's (99.0 to 50.0)``, for each whose interval is there; "none" if none is.
+def _moved(before: Links | None, sets: Sets, link: str) -> str:
+    """``below with `vae` (91.0 to 42.0); not told apart with `prior` (91.0 to 90.0)``
 
-    None where nothing can be compared.
+    With own_arm's rates behind what is below, where these were measured: the source itself may
+    fail. By intervals of means over the same seeds; empty where nothing can be compared.
     """
-    found, compared = [], 0
-    for name in in_order(others, (*PARTS, *(f"{ALL_BUT}{part}" for part in PARTS))):
-        same = of_same_seeds(before, others[name], link)
-        if not same:
-            continue
-        compared += 1
-        old, new = (bootstrap([one.links[link]], mean) for one in (same, others[name]))
-        if new.beside(old) == place:
-            part = PARTS.get(name.removeprefix(ALL_BUT), name)
-            found.append(f"{part} ({percent(old.value)} to {percent(new.value)})")
-    if not compared:
+    places: dict[str, list[str]] = {"below": [], "above": [], "level": []}
+    for part in in_order(sets, PARTS):
+        rates = _rates(before, sets[part], link)
+        if rates:
+            own = _rates(before, sets[part], OWN_ARM) if rates[2] == "below" else None
+            said = f"{rates[0]} to {rates[1]}" + (f"; own arm {own[0]} to {own[1]}" if own else "")
+            places[rates[2]].append(f"`{part}` ({said})")
+    words = {"below": "below", "above": "above", "level": "not told apart"}
+    return "; ".join(
+        f"{words[place]} with {', '.join(found)}" for place, found in places.items() if found
+    )
+
+
+def _rates(before: Links | None, after: Links, link: str) -> tuple[str, str, str] | None:
+    """Both means of a link, and where the second lies; None where one is missing."""
+    pair = [one for one in same_seeds(link, [before, after]) if one]
+    if len(pair) < 2:
         return None
-    return ", ".join(found) or f"none of {compared}"
+    old, new = (bootstrap([one.links[link]], mean) for one in pair)
+    return percent(old.value), percent(new.value), new.beside(old)

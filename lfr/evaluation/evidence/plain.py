@@ -6,10 +6,10 @@ paper/params.yaml.
 
 from __future__ import annotations
 
-from lfr.evaluation.evidence.aggregate import Interval, Seeds, bootstrap, mean
+from lfr.evaluation.evidence.aggregate import Interval, bootstrap, mean
 from lfr.evaluation.evidence.names import LINKS, METHODS, REWARDS, in_order, method_label
 from lfr.evaluation.evidence.published import PUBLISHED, TASKS
-from lfr.evaluation.evidence.records import Evidence, Links, SeedRun, counts
+from lfr.evaluation.evidence.records import Evidence, Links, SeedRun, counts, same_seeds
 from lfr.evaluation.evidence.summary import OURS
 from lfr.evaluation.evidence.tables import DASH, link_cell, percent, percent_interval
 from lfr.evaluation.tables import markdown
@@ -27,15 +27,15 @@ def plain_section(evidence: Evidence) -> str:
 def plain_table(evidence: Evidence) -> str:
     """Two rows for each link, a column for each transfer: mean, its interval, and each seed.
 
-    Ours are of the seeds that the plain ones have.
+    Both are of the seeds that both have.
     """
     if not evidence.plain:
         return NOT_YET
     names = in_order((link for one in evidence.plain.values() for link in one.links), LINKS)
     rows: list[list[object]] = []
     for name in names:
-        plain = [evidence.plain.get(transfer) for transfer in TASKS]
-        ours = [_ours(evidence, transfer, name) for transfer in TASKS]
+        pairs = [_pair(evidence, transfer, name) for transfer in TASKS]
+        ours, plain = ([pair[place] for pair in pairs] for place in (0, 1))
         rows.append([f"`{name}`", "ours", *(link_cell(one, name) for one in ours)])
         rows.append(["", "plain", *(link_cell(one, name) for one in plain)])
     return markdown(["link", "choices", *TASKS.values()], rows)
@@ -153,30 +153,13 @@ def _both(evidence: Evidence, link: str) -> dict[str, tuple[Interval, Interval]]
     """transfer -> the link's mean with our choices and with plain ones, over the same seeds."""
     found = {}
     for transfer in TASKS:
-        ours, plain = _ours(evidence, transfer, link), evidence.plain.get(transfer)
+        ours, plain = _pair(evidence, transfer, link)
         if ours and plain:
             before, after = (bootstrap([one.links[link]], mean) for one in (ours, plain))
             found[transfer] = before, after
     return found
 
 
-def of_same_seeds(ours: Links | None, other: Links | None, link: str) -> Links | None:
-    """The link alone, with our choices, of the seeds that ``other`` has of it.
-
-    None where one of the two lacks it, or they share no seed.
-    """
-    if not ours or not other or link not in ours.links or link not in other.links:
-        return None
-    found, known = ours.links[link], ours.seeds[link]
-    places = [place for place, seed in enumerate(known) if seed in other.seeds[link]]
-    if not places:
-        return None
-    same = Seeds(
-        tuple(found.successes[place] for place in places),
-        tuple(found.episodes[place] for place in places),
-    )
-    return Links(ours.transfer, {link: same}, {link: tuple(known[place] for place in places)})
-
-
-def _ours(evidence: Evidence, transfer: str, link: str) -> Links | None:
-    return of_same_seeds(evidence.links.get(transfer), evidence.plain.get(transfer), link)
+def _pair(evidence: Evidence, transfer: str, link: str) -> list[Links | None]:
+    """A link of ours and the plain one, of the seeds that both have."""
+    return same_seeds(link, [evidence.links.get(transfer), evidence.plain.get(transfer)])

@@ -5,7 +5,7 @@ The evidence comes in over hours. What is not there yet is simply missing here.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -88,6 +88,30 @@ class Links:
     links: dict[str, Seeds]
     seeds: dict[str, tuple[int, ...]]
 
+    def only(self, link: str, seeds: Collection[int]) -> Links:
+        """This link alone, of those seeds."""
+        found = self.links[link]
+        places = [place for place, seed in enumerate(self.seeds[link]) if seed in seeds]
+        kept = Seeds(
+            tuple(found.successes[place] for place in places),
+            tuple(found.episodes[place] for place in places),
+        )
+        return Links(
+            self.transfer, {link: kept}, {link: tuple(self.seeds[link][place] for place in places)}
+        )
+
+
+def same_seeds(link: str, found: Sequence[Links | None]) -> list[Links | None]:
+    """Each with this link alone, of the seeds that all share who have it.
+
+    None in the place of one that lacks the link; in all places where no seed is shared.
+    """
+    seeds = [set(one.seeds[link]) for one in found if one and link in one.links]
+    shared = set.intersection(*seeds) if seeds else set[int]()
+    return [
+        one.only(link, shared) if shared and one and link in one.links else None for one in found
+    ]
+
 
 @dataclass(frozen=True)
 class Evidence:
@@ -97,7 +121,7 @@ class Evidence:
         links: transfer -> links.
         plain: the same of models that learned from plain demonstrations.
         plain_runs: of methods that began with these models.
-        parts: transfer -> what of that was plain -> links.
+        parts: transfer -> which parts of the plain choices alone were plain -> links.
         stages: stage -> key -> its last run.
         reference: SAC beside robosuite-benchmark's; None before both are there.
     """
@@ -106,7 +130,7 @@ class Evidence:
     links: dict[str, Links] = field(default_factory=dict)
     plain: dict[str, Links] = field(default_factory=dict)
     plain_runs: tuple[SeedRun, ...] = ()
-    parts: dict[str, dict[str, Links]] = field(default_factory=dict)
+    parts: dict[str, dict[tuple[str, ...], Links]] = field(default_factory=dict)
     stages: dict[str, dict[str, StageRun]] = field(default_factory=dict)
     reference: Reference | None = None
 
@@ -221,10 +245,10 @@ def _all_links(folder: Path) -> dict[str, Links]:
     return {one.transfer: one for one in found}
 
 
-def _parts(folder: Path) -> dict[str, dict[str, Links]]:
-    found: dict[str, dict[str, Links]] = {}
+def _parts(folder: Path) -> dict[str, dict[tuple[str, ...], Links]]:
+    found: dict[str, dict[tuple[str, ...], Links]] = {}
     for _, content in _files(folder):
-        found.setdefault(content["transfer"], {})[content["plain"]] = _links(content)
+        found.setdefault(content["transfer"], {})[tuple(content["set_back"])] = _links(content)
     return found
 
 

@@ -139,8 +139,9 @@ def _parts(evidence: Evidence) -> str:
     return f"""
 ### {WHICH}
 
-Models of the choices in between: one part of them set back alone, and all of them but one.
-The same seeds in every row, as far as they have been run.
+The links between ours and the paper's reading: one part of the choices set back alone, and all
+but one. The first says whether a link needs that part where it has all others, the second what
+that part is worth where it has none else. A column is of the same seeds in every row.
 
 {found}"""
 
@@ -189,9 +190,9 @@ def _stages(evidence: Evidence) -> str:
         time_of_runs(evidence),
     ]
     about = (
-        "Of each stage's last run for every transfer, or transfer and method: the wall-clock, "
-        "summed; the peak memory of the largest process; the git revisions, with a plus sign where "
-        "the sources differed from what was committed."
+        "Of the last run of every job of a stage: the wall-clock, summed; the peak "
+        "memory of the largest process; the git revisions, with a plus sign where the sources "
+        "differed from what was committed."
     )
     return "\n\n".join([" ".join(lines), about, stage_table(evidence.stages)]).rstrip()
 

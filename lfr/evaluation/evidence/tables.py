@@ -126,6 +126,8 @@ def questions_table(evidence: Evidence) -> str:
     """The zero-shot links, one row each, one column per transfer."""
     found = [evidence.links.get(transfer) for transfer in TASKS]
     names = in_order((link for one in found if one for link in one.links), LINKS)
+    if not names:
+        return "They have not been run yet.\n"
     header = ["link", "what it asks", *TASKS.values()]
     rows = [
         [f"`{name}`", LINKS.get(name, ""), *(link_cell(one, name) for one in found)]

@@ -62,14 +62,14 @@ def zero_shot(
     transfer: str,
     links: Mapping[str, Sequence[int]],
     stage: str = "zero_shot",
-    part: str = "",
+    set_back: Sequence[str] = (),
 ) -> None:
     """Success of links, a seed each, as ``stage`` writes it: "zero_shot", "plain", or
-    "plain_parts" with what of that was plain."""
+    "plain_parts" with the parts that were set back."""
     found = {
         link: {"runs": [{"seed": seed, **rate(count)} for seed, count in enumerate(counts)]}
         for link, counts in links.items()
     }
-    about = {"transfer": transfer, **({"plain": part} if part else {})}
-    name = f"{transfer}-{part}" if part else transfer
+    about = {"transfer": transfer, **({"set_back": list(set_back)} if set_back else {})}
+    name = "-".join([transfer, *set_back])
     write_json(paper / stage / f"{name}.json", {**about, "links": found, **RUN})

@@ -351,7 +351,7 @@ def test_the_report_says_plainly_who_needs_no_mapping(paper: Path) -> None:
     # sparse: 98.0 of five; dense: 82 of two, far below identity's 99
     level = "is not below LfR, by overlapping or higher intervals, in"
     assert f"**Identity (no learning) {level} 2 of 2 comparisons" in text
-    assert "success is 1.0 to 17.0 points above LfR's" in text
+    assert "interquartile mean is 1.0 to 17.0 points above LfR's" in text
     assert "Better: Lift, Panda, dense (99.0 against LfR's 82.0)" in text
     assert f"**AP {level} 1 of 1 comparison of" in text
     assert "28.0 points below LfR's" in text
