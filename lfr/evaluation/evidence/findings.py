@@ -46,7 +46,9 @@ def short_table(evidence: Evidence) -> str:
 def findings(evidence: Evidence) -> str:
     """One item for each question that the evidence can answer so far."""
     items = [_rival(evidence, label, what) for label, what in WITHOUT_G.items()]
-    items += [_learning(evidence), _generator(evidence), _rotation(evidence)]
+    items += [
+        _learning(evidence), _generator(evidence), _linear(evidence), _rotation(evidence)
+    ]  # fmt: skip
     if evidence.reference:
         items.append(f"**Is this SAC a fair baseline?** {reference_sentence(evidence.reference)}")
     return "\n".join(f"- {item}" for item in items if item)
@@ -117,6 +119,25 @@ def _generator(evidence: Evidence) -> str | None:
     return (
         "**Without G and with it**, before any learning (links `no_generator` and `mapped`): "
         f"{'; '.join(parts)}."
+    )
+
+
+def _linear(evidence: Evidence) -> str | None:
+    """A closed form in G's place, before learning, over the seeds that both have."""
+    parts = []
+    for transfer, task in TASKS.items():
+        found = evidence.links.get(transfer)
+        if not found or not {"linear", "mapped"} <= set(found.links):
+            continue
+        linear = found.links["linear"]
+        same = found.only("mapped", found.seeds["linear"]).links["mapped"]
+        if same.successes:
+            parts.append(f"{task}: {_cell(linear)} linear, {_cell(same)} with G")
+    if not parts:
+        return None
+    return (
+        "**A closed-form linear map in G's place**, before any learning (links `linear` and "
+        f"`mapped`, of the seeds that `linear` has): {'; '.join(parts)}."
     )
 
 

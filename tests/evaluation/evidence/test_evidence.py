@@ -364,6 +364,16 @@ def test_the_report_says_plainly_who_needs_no_mapping(paper: Path) -> None:
     assert "been run yet" in short_table(read_evidence(paper / "none"))
 
 
+def test_a_linear_map_stands_beside_g_of_its_own_seeds(tmp_path: Path) -> None:
+    zero_shot(tmp_path, CAN, {"mapped": [80, 90, 0, 0, 0], "linear": [100, 98]})
+    zero_shot(tmp_path, LIFT, {"mapped": [80, 90]})
+    (line,) = findings(read_evidence(tmp_path)).splitlines()
+    assert "linear map in G's place" in line
+    assert "Pick-Place, Sawyer: 99.0 [" in line
+    assert "linear, 85.0 [" in line
+    assert line.endswith("with G.")
+
+
 def test_a_figure_is_shown_once_it_compares_something(paper: Path) -> None:
     learned(paper, LIFT, "wrong_task", {"sparse": [3, 4, 5]})
     text = report(read_evidence(paper))
