@@ -17,10 +17,8 @@ def main(transfer: str) -> None:
     """
     chosen = transfer_named(transfer)
     trained = train(chosen, choices(PARTS), paper_seeds().questions, "paper-plain", transfer)
-    out = MODELS / transfer
-    seeds_into(out, trained.folders)
-    folders = {seed: out / f"seed-{seed}" for seed in trained.folders}
-    links = judge(chosen, folders, judging().episodes, "paper-plain-links", transfer)
+    seeds_into(MODELS / transfer, trained.folders)
+    links = judge(chosen, trained.folders, judging().episodes, "paper-plain-links", transfer)
     about = {"source": chosen.source, "target": chosen.target, "task": chosen.task}
     found = {"transfer": transfer, **about, "links": links, "runs": trained.runs}
     trained.spent.write("plain", transfer, found)
