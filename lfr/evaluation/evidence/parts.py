@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from lfr.evaluation.evidence.aggregate import bootstrap, mean
+from lfr.evaluation.evidence.links import Links, same_seeds
 from lfr.evaluation.evidence.names import LINKS, in_order
 from lfr.evaluation.evidence.published import TASKS
-from lfr.evaluation.evidence.records import Evidence, Links, same_seeds
+from lfr.evaluation.evidence.records import Evidence
 from lfr.evaluation.evidence.tables import link_cell, percent
 from lfr.evaluation.tables import markdown
 

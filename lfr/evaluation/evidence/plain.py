@@ -7,9 +7,10 @@ paper/params.yaml.
 from __future__ import annotations
 
 from lfr.evaluation.evidence.aggregate import Interval, bootstrap, mean
+from lfr.evaluation.evidence.links import Links, same_seeds
 from lfr.evaluation.evidence.names import LINKS, METHODS, REWARDS, in_order, method_label
 from lfr.evaluation.evidence.published import PUBLISHED, TASKS
-from lfr.evaluation.evidence.records import Evidence, Links, SeedRun, counts, same_seeds
+from lfr.evaluation.evidence.records import Evidence, SeedRun, counts
 from lfr.evaluation.evidence.summary import OURS
 from lfr.evaluation.evidence.tables import DASH, link_cell, percent, percent_interval
 from lfr.evaluation.tables import markdown

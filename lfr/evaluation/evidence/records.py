@@ -5,7 +5,7 @@ The evidence comes in over hours. What is not there yet is simply missing here.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,8 @@ from lfr.artifacts import read_json
 from lfr.errors import DataError
 from lfr.evaluation.evidence.aggregate import Seeds
 from lfr.evaluation.evidence.curves import LEVELS, Curve, read_curves
-from lfr.evaluation.evidence.names import LINKS, METHODS, REWARDS, in_order
+from lfr.evaluation.evidence.links import Links, links_of
+from lfr.evaluation.evidence.names import METHODS, REWARDS, in_order
 from lfr.evaluation.evidence.reference import Reference, read_reference
 from lfr.evaluation.records import RESULTS, StageRun
 from lfr.evaluation.statistics import success_of
@@ -74,43 +75,6 @@ class SeedRun:
     def steps_to(self) -> tuple[int | None, ...]:
         """Environment steps to each of `LEVELS`; empty without a curve."""
         return tuple(self.curve.first_at(level) for level in LEVELS) if self.curve else ()
-
-
-@dataclass(frozen=True)
-class Links:
-    """A transfer's zero-shot links, each with a success count per seed, by rising seed.
-
-    Attributes:
-        seeds: which ones, of each link.
-    """
-
-    transfer: str
-    links: dict[str, Seeds]
-    seeds: dict[str, tuple[int, ...]]
-
-    def only(self, link: str, seeds: Collection[int]) -> Links:
-        """This link alone, of those seeds."""
-        found = self.links[link]
-        places = [place for place, seed in enumerate(self.seeds[link]) if seed in seeds]
-        kept = Seeds(
-            tuple(found.successes[place] for place in places),
-            tuple(found.episodes[place] for place in places),
-        )
-        return Links(
-            self.transfer, {link: kept}, {link: tuple(self.seeds[link][place] for place in places)}
-        )
-
-
-def same_seeds(link: str, found: Sequence[Links | None]) -> list[Links | None]:
-    """Each with this link alone, of the seeds that all share who have it.
-
-    None in the place of one that lacks the link; in all places where no seed is shared.
-    """
-    seeds = [set(one.seeds[link]) for one in found if one and link in one.links]
-    shared = set.intersection(*seeds) if seeds else set[int]()
-    return [
-        one.only(link, shared) if shared and one and link in one.links else None for one in found
-    ]
 
 
 @dataclass(frozen=True)
@@ -241,26 +205,15 @@ def _seed_run(about: dict[str, Any], run: dict[str, Any], learned: dict[str, Any
 
 def _all_links(folder: Path) -> dict[str, Links]:
     """transfer -> links"""
-    found = [_links(content) for _, content in _files(folder)]
+    found = [links_of(content) for _, content in _files(folder)]
     return {one.transfer: one for one in found}
 
 
 def _parts(folder: Path) -> dict[str, dict[tuple[str, ...], Links]]:
     found: dict[str, dict[tuple[str, ...], Links]] = {}
     for _, content in _files(folder):
-        found.setdefault(content["transfer"], {})[tuple(content["set_back"])] = _links(content)
+        found.setdefault(content["transfer"], {})[tuple(content["set_back"])] = links_of(content)
     return found
-
-
-def _links(content: dict[str, Any]) -> Links:
-    links, seeds = {}, {}
-    for name in in_order(content["links"], LINKS):
-        runs = sorted(content["links"][name]["runs"], key=lambda run: run["seed"])
-        if runs:
-            found, tried = (tuple(run[key] for run in runs) for key in ("successes", "episodes"))
-            links[name] = Seeds(found, tried)
-            seeds[name] = tuple(run["seed"] for run in runs)
-    return Links(content["transfer"], links, seeds)
 
 
 def _stages(paper: Path) -> dict[str, dict[str, StageRun]]:

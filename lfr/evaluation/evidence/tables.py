@@ -6,9 +6,10 @@ from collections.abc import Sequence
 
 from lfr.evaluation.evidence.aggregate import Interval, bootstrap, improvement, mean
 from lfr.evaluation.evidence.curves import LEVELS
+from lfr.evaluation.evidence.links import Links
 from lfr.evaluation.evidence.names import LINKS, in_order, method_label
 from lfr.evaluation.evidence.published import PUBLISHED, TASKS, PaperTable
-from lfr.evaluation.evidence.records import Evidence, Links, SeedRun, counts, of_seeds
+from lfr.evaluation.evidence.records import Evidence, SeedRun, counts, of_seeds
 from lfr.evaluation.evidence.summary import OURS, Summary, summarise
 from lfr.evaluation.tables import markdown
 
