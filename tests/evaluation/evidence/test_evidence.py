@@ -355,6 +355,7 @@ def test_the_report_says_plainly_who_needs_no_mapping(paper: Path) -> None:
     assert "Better: Lift, Panda, dense (99.0 against LfR's 82.0)" in text
     assert f"**AP {level} 1 of 1 comparison of" in text
     assert "28.0 points below LfR's" in text
+    assert "**BC+RNN does worse than LfR in 2 of 2 comparisons of task and reward**" in text
     assert "shared VAE" not in text
     assert "Lift, Panda, sparse: 90.0 to 98.0" in text
     zero_shot(paper, LIFT, {"identity": [3, 5]})
@@ -362,6 +363,12 @@ def test_the_report_says_plainly_who_needs_no_mapping(paper: Path) -> None:
     assert "**Identity (no learning) does worse than LfR in 2 of 2 comparisons" in worse
     assert findings(read_evidence(paper / "none")) == ""
     assert "been run yet" in short_table(read_evidence(paper / "none"))
+
+
+def test_what_takes_no_reward_has_one_row_in_short(paper: Path) -> None:
+    table = short_table(read_evidence(paper))
+    assert len(cells(table, "BC+RNN")) == len(cells(table, "LfR, sparse")) == 1
+    assert "BC+RNN, " not in table
 
 
 def test_a_linear_map_stands_beside_g_of_its_own_seeds(tmp_path: Path) -> None:
