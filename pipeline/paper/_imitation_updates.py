@@ -30,8 +30,8 @@ from lfr.seeds import episode_seed
 from lfr.skills.demonstrations import DATASETS
 from lfr.skills.params import SkillsParams
 from pipeline._stage import rows_of, unfinished_work
+from pipeline.paper._imitation import CODE
 from pipeline.paper._stage import PARAMS, paper_seeds
-from pipeline.paper.imitate import CODE
 
 FIRST = 600_000  # of the learning starts: far from those that transfer learning uses
 

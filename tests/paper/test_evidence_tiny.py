@@ -141,6 +141,21 @@ def test_who_learns_from_plain_models_begins_as_their_links_say(project: Path) -
     assert not ours & theirs
 
 
+def test_plain_imitation_is_of_plain_demonstrations(project: Path) -> None:
+    ours, plain, models = (
+        read_json(project / PAPER / f"{stage}/{TRANSFER}.json")
+        for stage in ("imitate", "imitate_plain", "plain")
+    )
+    questions = read_yaml(project / "paper/params.yaml")["seeds"]["questions"]
+    assert [run["seed"] for run in plain["runs"]] == questions
+    assert ours["datasets"].keys() == plain["datasets"].keys() == {"sawyer-lift"}
+    assert ours["datasets"] != plain["datasets"]
+    known = models["runs"][0]["skills"]["source"]["datasets"]
+    assert plain["datasets"].items() <= known.items()
+    policies = project / f"models/paper-plain-imitators/{TRANSFER}"
+    assert {folder.name for folder in policies.iterdir()} == {f"seed-{n}" for n in questions}
+
+
 def test_parts_leave_all_else_as_it_was(project: Path) -> None:
     """Where a set of choices touches no model of a link, the link is that of the other stage."""
     parts = read_evidence(project / PAPER).parts[TRANSFER]

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from lfr.evaluation.evidence.aggregate import Interval, Seeds, bootstrap
 from lfr.evaluation.evidence.names import method_label
-from lfr.evaluation.evidence.plain import reason_for_ap
+from lfr.evaluation.evidence.plain import reason_for_ap, reason_for_imitation
 from lfr.evaluation.evidence.published import TASKS
 from lfr.evaluation.evidence.records import Evidence, counts
 from lfr.evaluation.evidence.reference import reference_sentence
@@ -36,10 +36,10 @@ def short_table(evidence: Evidence) -> str:
         for reward in evidence.rewards():
             found = [evidence.of(transfer, method, reward) for transfer in TASKS]
             learned = any(run.reward for runs in found for run in runs)
-            row = [f"{method_label(method)}, {reward}" if learned else method_label(method),
-                   *(_cell(counts(runs) if runs else None) for runs in found)]  # fmt: skip
+            label = f"{method_label(method)}, {reward}" if learned else method_label(method)
+            row = [label, *(_cell(counts(runs) if runs else None) for runs in found)]
             if row not in rows:  # one without a reward: once
-                rows.append(row)
+                rows.append([*row])
     for label, link in (("LfR's start, no learning", "mapped"),
                         (no_learning("identity"), "identity"),
                         (no_learning("shared_vae"), "shared_vae")):  # fmt: skip
@@ -187,6 +187,8 @@ def reasons(evidence: Evidence, methods: Iterable[str]) -> str:
             "both arms. The paper does not say where its AP begins."
         )
         items += filter(None, [reason_for_ap(evidence)])
+    if "bc_rnn" in methods:
+        items += filter(None, [reason_for_imitation(evidence)])
     if "sac" in methods and evidence.reference:
         items.append("- SAC: see its curve beside robosuite-benchmark's, above.")
     return "\n".join(items)

@@ -10,7 +10,7 @@ from lfr.evaluation.evidence.aggregate import Interval, bootstrap, mean
 from lfr.evaluation.evidence.links import Links, same_seeds
 from lfr.evaluation.evidence.names import LINKS, METHODS, REWARDS, in_order, method_label
 from lfr.evaluation.evidence.published import PUBLISHED, TASKS
-from lfr.evaluation.evidence.records import Evidence, SeedRun, counts
+from lfr.evaluation.evidence.records import Evidence, SeedRun, counts, of_seeds
 from lfr.evaluation.evidence.summary import OURS
 from lfr.evaluation.evidence.tables import DASH, link_cell, percent, percent_interval
 from lfr.evaluation.tables import markdown
@@ -66,38 +66,34 @@ def identity_sentence(evidence: Evidence) -> str | None:
 
 
 def learned(evidence: Evidence) -> list[str]:
-    """A table of the methods that learned from plain models, and LfR against the others."""
+    """A table of who learned from plain models or demonstrations, and LfR against the others."""
     runs = evidence.plain_runs
     if not runs:
         return []
     rows: list[list[object]] = []
     for method in in_order((run.method for run in runs), METHODS):
-        for reward in in_order((str(run.reward) for run in runs if run.method == method), REWARDS):
-            found = [_plain_runs(evidence, transfer, method, reward) for transfer in TASKS]
+        learned_on = (run.reward or DASH for run in runs if run.method == method)
+        for reward in in_order(learned_on, REWARDS):
+            found = [evidence.plain_of(transfer, method, reward) for transfer in TASKS]
             rows.append([method_label(method), reward, *map(_learned_cell, found)])
-        published = [PUBLISHED.get((transfer, method), DASH) for transfer in TASKS]
+        published = (PUBLISHED.get((transfer, method), DASH) for transfer in TASKS)
         rows.append(["", "paper", *published])
     about = (
         "What learning makes of these models: mean over seeds before it, and after it with its "
         "bootstrap interval, and each seed. Only demonstrations and models are plain; what else "
-        "differs is section `learn_plain` of paper/params.yaml.\n"
+        "differs is section `learn_plain` of paper/params.yaml. Imitation has no such beginning.\n"
     )
     return [about, markdown(["method", "reward", *TASKS.values()], rows), *_against(evidence)]
 
 
-def _plain_runs(evidence: Evidence, transfer: str, method: str, reward: str) -> list[SeedRun]:
-    wanted = transfer, method, reward
-    return [one for one in evidence.plain_runs if (one.transfer, one.method, one.reward) == wanted]
-
-
 def _learned_cell(runs: list[SeedRun]) -> str:
-    """``9.3 to 85.3 [70.1, 95.2] (80, 91, 85)``"""
+    """``9.3 to 85.3 [70.1, 95.2] (80, 91, 85)``; without a beginning, no ``9.3 to``"""
     if not runs:
         return DASH
     before = [run.zero_shot for run in runs if run.zero_shot is not None]
-    began = percent(sum(before) / len(before)) if len(before) == len(runs) else DASH
+    began = f"{percent(sum(before) / len(before))} to " if len(before) == len(runs) else ""
     each = ", ".join(f"{100 * run.success:.0f}" for run in runs)
-    return f"{began} to {percent_interval(bootstrap([counts(runs)], mean))} ({each})"
+    return f"{began}{percent_interval(bootstrap([counts(runs)], mean))} ({each})"
 
 
 def _against(evidence: Evidence) -> list[str]:
@@ -108,8 +104,7 @@ def _against(evidence: Evidence) -> list[str]:
         found: dict[str, list[str]] = {"below": [], "level": [], "above": []}
         for transfer, task in TASKS.items():
             for reward in REWARDS:
-                ours, other = (_plain_runs(evidence, transfer, name, reward)
-                               for name in (OURS, method))  # fmt: skip
+                ours, other = (evidence.plain_of(transfer, name, reward) for name in (OURS, method))
                 if not ours or not other:
                     continue
                 we, they = (bootstrap([counts(one)], mean) for one in (ours, other))
@@ -121,8 +116,8 @@ def _against(evidence: Evidence) -> list[str]:
         ]
         if said:
             sentences.append(
-                f"From plain models, having learned, {method_label(method)} is, by the intervals "
-                f"of these means, {'; '.join(said)}.\n"
+                f"From plain demonstrations {method_label(method)} ends, by the intervals of these "
+                f"means, {'; '.join(said)}.\n"
             )
     return sentences
 
@@ -140,6 +135,21 @@ def reason_for_ap(evidence: Evidence) -> str | None:
         "- With plain demonstrations, and models that take them as they are, that beginning moves "
         f'from {"; ".join(parts)}: see above, "{TITLE}".'
     )
+
+
+def reason_for_imitation(evidence: Evidence) -> str | None:
+    """BC+RNN of plain demonstrations, beside ours of the same seeds and the paper's; or None."""
+    parts = []
+    for transfer, task in TASKS.items():
+        plain = evidence.plain_of(transfer, "bc_rnn", None)
+        ours = of_seeds(evidence.of(transfer, "bc_rnn", None), (run.seed for run in plain))
+        if ours and plain:
+            change = _change(*(bootstrap([counts(runs)], mean) for runs in (ours, plain)))
+            paper = PUBLISHED[transfer, "bc_rnn"].rate
+            parts.append(f"{task} {change} (the paper's {paper:.1f})")
+    if not parts:
+        return None
+    return f"- With plain demonstrations BC+RNN moves from {'; '.join(parts)}."
 
 
 def _named(tasks: list[str]) -> str:

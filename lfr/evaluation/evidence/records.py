@@ -24,7 +24,7 @@ PAPER = RESULTS / "paper"
 # as they are run
 STAGES = (
     "models", "variants", "zero_shot", "imitate", "learn", "reference", "plain_demonstrations",
-    "plain", "learn_plain", "plain_parts",
+    "plain", "learn_plain", "imitate_plain", "plain_parts",
 )  # fmt: skip
 STOCK = "robosuite"
 
@@ -84,7 +84,8 @@ class Evidence:
     Attributes:
         links: transfer -> links.
         plain: the same of models that learned from plain demonstrations.
-        plain_runs: of methods that began with these models.
+        plain_runs: of methods that began with these models, and of imitation of
+            plain demonstrations.
         parts: transfer -> which parts of the plain choices alone were plain -> links.
         stages: stage -> key -> its last run.
         reference: SAC beside robosuite-benchmark's; None before both are there.
@@ -100,10 +101,11 @@ class Evidence:
 
     def of(self, transfer: str, method: str, reward: str | None) -> list[SeedRun]:
         """A method's runs under a reward, by rising seed; a method without one fits any."""
-        return [
-            run for run in self.runs
-            if (run.transfer, run.method) == (transfer, method) and run.reward in (reward, None)
-        ]  # fmt: skip
+        return _of(self.runs, transfer, method, reward)
+
+    def plain_of(self, transfer: str, method: str, reward: str | None) -> list[SeedRun]:
+        """The same of ``plain_runs``."""
+        return _of(self.plain_runs, transfer, method, reward)
 
     def methods(self, transfers: Iterable[str] | None = None) -> list[str]:
         """Methods with a run on any of the transfers (of all of them), in the tables' order."""
@@ -115,6 +117,13 @@ class Evidence:
         """Rewards that a run was trained on; the sparse one where none was yet."""
         found = in_order((run.reward for run in self.runs if run.reward), REWARDS)
         return found or list(REWARDS[:1])
+
+
+def _of(runs: Iterable[SeedRun], transfer: str, method: str, reward: str | None) -> list[SeedRun]:
+    return [
+        run for run in runs
+        if (run.transfer, run.method) == (transfer, method) and run.reward in (reward, None)
+    ]  # fmt: skip
 
 
 def counts(runs: Sequence[SeedRun]) -> Seeds:
@@ -143,7 +152,9 @@ def read_evidence(paper: Path = PAPER) -> Evidence:
         DataError: a file is cut off, is not what its stage writes, or counts one seed twice.
     """
     runs = _ordered(paper, [*_imitated(paper / "imitate"), *_learned(paper / "learn")])
-    plain_runs = _ordered(paper, _learned(paper / "learn_plain"))
+    plain_runs = _ordered(
+        paper, [*_imitated(paper / "imitate_plain"), *_learned(paper / "learn_plain")]
+    )
     reference = read_reference(paper / "reference" / "lift-panda.csv")
     links, plain = (_all_links(paper / stage) for stage in ("zero_shot", "plain"))
     parts = _parts(paper / "plain_parts")

@@ -48,13 +48,13 @@ def learned(
     file.with_name(f"{file.name}.csv").write_text("\n".join(rows) + "\n")
 
 
-def imitated(paper: Path, transfer: str, successes: Sequence[int]) -> None:
+def imitated(paper: Path, transfer: str, successes: Sequence[int], stage: str = "imitate") -> None:
     runs = [
         {"seed": seed, "seconds": 60.0, "success": {"engine": rate(count)}}
         for seed, count in enumerate(successes)
     ]
     about = {"transfer": transfer, "method": "bc_rnn", "judge": "engine", "runs": runs}
-    write_json(paper / "imitate" / f"{transfer}.json", {**about, **RUN})
+    write_json(paper / stage / f"{transfer}.json", {**about, **RUN})
 
 
 def zero_shot(

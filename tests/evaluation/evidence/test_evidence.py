@@ -263,7 +263,10 @@ def test_report_sums_the_stages(paper: Path) -> None:
     text = report(read_evidence(paper))
     assert "All stages together took 2.00 hours" in text
     assert "what Tables I to III need took 1.50" in text
-    missing = "models, variants, reference, plain_demonstrations, plain, learn_plain, plain_parts"
+    missing = (
+        "models, variants, reference, plain_demonstrations, plain, learn_plain, imitate_plain, "
+        "plain_parts"
+    )
     assert f"Nothing is there yet of: {missing}." in text
     assert "LfR 90 (at most 90)" in text
     assert "## Table III: ablations" in text

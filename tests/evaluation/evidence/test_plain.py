@@ -14,7 +14,7 @@ from lfr.evaluation.evidence.plain import (
 )
 from lfr.evaluation.evidence.records import read_evidence
 from lfr.evaluation.evidence.report import report
-from tests.evaluation.evidence.made_up import learned, zero_shot
+from tests.evaluation.evidence.made_up import imitated, learned, zero_shot
 from tests.evaluation.evidence.test_evidence import CAN, LIFT, cells
 
 STACK = "s1-sawyer-stack"
@@ -98,8 +98,24 @@ def test_who_learned_from_plain_models_stands_beside_the_paper(paper: Path) -> N
     published = [row for row in cells(section, "") if row[1] == "paper"]
     assert [row[5] for row in published] == ["82.5 ± 3.2", "10.6 ± 5.7"]
     assert section.rstrip().endswith(
-        "From plain models, having learned, AP is, by the intervals of these means, below LfR on "
-        "1: Pick-Place, Sawyer, sparse (25.0 against 96.0); not told apart from LfR on 1: Lift, "
+        "From plain demonstrations AP ends, by the intervals of these means, below LfR on 1: "
+        "Pick-Place, Sawyer, sparse (25.0 against 96.0); not told apart from LfR on 1: Lift, "
         "Panda, sparse (91.0 against 91.0)."
     )
     assert not evidence.runs  # they are not the tables'
+
+
+def test_imitation_of_plain_demonstrations_is_set_beside_ours_of_its_seeds(paper: Path) -> None:
+    imitated(paper, CAN, [99, 97, 0, 0, 0])
+    imitated(paper, CAN, [14, 16], "imitate_plain")
+    learned(paper, CAN, "lfr", {"sparse": [95, 97]}, before=9, stage="learn_plain")
+    evidence = read_evidence(paper)
+    section = plain_section(evidence)
+    (row,) = cells(section, "BC+RNN")
+    assert row[1] == "-"
+    assert row[5].startswith("15.0 [")  # and no beginning
+    assert row[5].endswith("] (14, 16)")
+    assert "BC+RNN ends, by the intervals of these means, below LfR on 1: Pick-Place" in section
+    disagreed = report(evidence).split("## Where this disagrees")[1]
+    assert "BC+RNN moves from Pick-Place, Sawyer 98.0 to 15.0 (the paper's 16.3)." in disagreed
+    assert [run.method for run in evidence.runs] == ["bc_rnn"] * 5
