@@ -18,10 +18,8 @@ from lfr.evaluation.tables import markdown
 WITHOUT_MAPPING = {
     no_learning("identity"): "the source's prior and decoder, carried out by the target arm as "
     "they are, without mapping and without learning",
-    method_label(
-        "bc_rnn"
-    ): "a recurrent policy cloned from the source's demonstrations, carried out "
-    "by the target arm as it is",
+    method_label("bc_rnn"): "a recurrent policy cloned from the source's demonstrations, carried "
+    "out by the target arm as it is",
     method_label("ap"): "the source's prior and decoder, fine-tuned on the target arm, without "
     "mapping",
     method_label("shared_vae"): "one VAE for both arms, so nothing to map, fine-tuned",
