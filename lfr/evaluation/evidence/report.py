@@ -108,6 +108,7 @@ The paper's figures outside the interval of our mean.
 
 {disagreements(evidence)}
 {reasons(evidence, evidence.methods())}
+
 ## What was run on what
 
 {_stages(evidence)}
