@@ -26,20 +26,21 @@ def plain_section(evidence: Evidence) -> str:
 
 
 def plain_table(evidence: Evidence) -> str:
-    """Two rows for each link, a column for each transfer: mean, its interval, and each seed.
+    """Two rows for each link, a column for each transfer that has plain ones.
 
-    Both are of the seeds that both have.
+    Mean, its interval, and each seed, of the seeds that both have.
     """
-    if not evidence.plain:
+    found = [transfer for transfer in TASKS if transfer in evidence.plain]
+    if not found:
         return NOT_YET
     names = in_order((link for one in evidence.plain.values() for link in one.links), LINKS)
     rows: list[list[object]] = []
     for name in names:
-        pairs = [_pair(evidence, transfer, name) for transfer in TASKS]
+        pairs = [_pair(evidence, transfer, name) for transfer in found]
         ours, plain = ([pair[place] for pair in pairs] for place in (0, 1))
         rows.append([f"`{name}`", "ours", *(link_cell(one, name) for one in ours)])
         rows.append(["", "plain", *(link_cell(one, name) for one in plain)])
-    return markdown(["link", "choices", *TASKS.values()], rows)
+    return markdown(["link", "choices", *(TASKS[transfer] for transfer in found)], rows)
 
 
 def identity_sentence(evidence: Evidence) -> str | None:
@@ -70,20 +71,22 @@ def learned(evidence: Evidence) -> list[str]:
     runs = evidence.plain_runs
     if not runs:
         return []
+    at = [transfer for transfer in TASKS if any(run.transfer == transfer for run in runs)]
     rows: list[list[object]] = []
     for method in in_order((run.method for run in runs), METHODS):
         learned_on = (run.reward or DASH for run in runs if run.method == method)
         for reward in in_order(learned_on, REWARDS):
-            found = [evidence.plain_of(transfer, method, reward) for transfer in TASKS]
+            found = [evidence.plain_of(transfer, method, reward) for transfer in at]
             rows.append([method_label(method), reward, *map(_learned_cell, found)])
-        published = (PUBLISHED.get((transfer, method), DASH) for transfer in TASKS)
+        published = (PUBLISHED.get((transfer, method), DASH) for transfer in at)
         rows.append(["", "paper", *published])
     about = (
         "What learning makes of these models: mean over seeds before it, and after it with its "
         "bootstrap interval, and each seed. Only demonstrations and models are plain; what else "
         "differs is section `learn_plain` of paper/params.yaml. Imitation has no such beginning.\n"
     )
-    return [about, markdown(["method", "reward", *TASKS.values()], rows), *_against(evidence)]
+    table = markdown(["method", "reward", *(TASKS[transfer] for transfer in at)], rows)
+    return [about, table, *_against(evidence)]
 
 
 def _learned_cell(runs: list[SeedRun]) -> str:
