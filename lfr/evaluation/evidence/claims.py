@@ -24,7 +24,7 @@ def standings(evidence: Evidence) -> str:
             if place:
                 seeds = len(evidence.of(transfer, OURS, reward))
                 items.append(f"- **{task}, {reward}**: {_sentence(place, seeds)}")
-                items[-1] += _unmeasured(place, reward)
+                items[-1] += _unmeasured(place, transfer, reward)
     return "\n".join(items) or "LfR has no run yet."
 
 
@@ -43,9 +43,9 @@ def _sentence(place: Standing, seeds: int) -> str:
     return " ".join(parts)
 
 
-def _unmeasured(place: Standing, reward: str) -> str:
+def _unmeasured(place: Standing, transfer: str, reward: str) -> str:
     known = {**place.in_the_way, **place.below}
-    missing = [name for name in expected_rivals(reward) if name not in known]
+    missing = [name for name in expected_rivals(transfer, reward) if name not in known]
     return f" Not measured yet: {', '.join(missing)}." if missing else ""
 
 

@@ -59,7 +59,7 @@ def _ours(evidence: Evidence, transfer: str, reward: str) -> list[object]:
         return [DASH, DASH, 0, DASH, DASH, DASH]
     known = {**place.in_the_way, **place.below}
     others = ", ".join(place.in_the_way) or "none"
-    if not known.keys() >= set(expected_rivals(reward)):
+    if not known.keys() >= set(expected_rivals(transfer, reward)):
         others = f"{others} so far" if known else DASH
     return [percent(found.mean.value), percent_interval(found.iqm), len(found.seeds),
             percent(found.zero_shot), percent(found.stock), others]  # fmt: skip

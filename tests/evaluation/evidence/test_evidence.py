@@ -12,6 +12,7 @@ from lfr.artifacts import read_json, write_json
 from lfr.errors import DataError
 from lfr.evaluation.evidence.claims import disagreements, standings
 from lfr.evaluation.evidence.findings import findings, short_table
+from lfr.evaluation.evidence.names import REWARDS, method_label
 from lfr.evaluation.evidence.published import PUBLISHED, TABLES, TASKS
 from lfr.evaluation.evidence.readme import (
     BEGIN,
@@ -31,8 +32,8 @@ from lfr.evaluation.evidence.tables import (
     questions_table,
 )
 from lfr.evaluation.evidence.targets import (
-    RIVALS,
     TARGETS,
+    expected_rivals,
     standing,
     steps_to_goal,
     targets_table,
@@ -215,11 +216,15 @@ def test_ablations_and_oracles_do_not_stand_in_the_way(tmp_path: Path) -> None:
 
 def test_rivals_are_those_who_learn_by_the_parameters() -> None:
     learn = read_yaml(ROOT / "paper/params.yaml")["learn"]
-    groups = ("tables", "questions")
-    for reward, rivals in RIVALS.items():
-        learners = {method for group in groups if reward in learn["rewards"][group]
-                    for method in learn["methods"][group]}  # fmt: skip
-        assert set(rivals) == (learners | {"bc_rnn"}) - {"lfr"}
+    places = {"tables": list(TASKS), "questions": learn["ablated"]}
+    for transfer in TASKS:
+        for reward in REWARDS:
+            learners = {method for group, transfers in places.items()
+                        if transfer in transfers and reward in learn["rewards"][group]
+                        for method in learn["methods"][group]}  # fmt: skip
+            labels = {method_label(method) for method in learners | {"bc_rnn"}} - {"LfR"}
+            rivals = expected_rivals(transfer, reward)
+            assert {name for name in rivals if not name.endswith("(no learning)")} == labels
 
 
 def test_a_goal_is_reached_in_time_or_not(tmp_path: Path) -> None:
