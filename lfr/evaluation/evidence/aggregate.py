@@ -88,12 +88,13 @@ def bootstrap(
     binomial with its observed rate. The interval is between the percentiles. Tasks are not
     resampled: they are the ones we speak of, not a sample. An observed rate varies by its episodes
     already, so drawing these again makes the interval wider than rliable's, never narrower; with
-    one seed it is the interval of its episodes alone. All policies meet the same held-out starts,
-    which is not made use of.
+    one seed it is the interval of its episodes alone.
 
-    Near 0 and 1 that is not enough: a seed that succeeded in every episode does so in every
-    resample, and where all but one did, the interquartile mean hardly ever moves. So neither end is
-    nearer than that of the Wilson interval of the same value over as many episodes.
+    That is not enough near 0 and 1: a seed that succeeded in every episode does so in every
+    resample, and where all but one did, the interquartile mean hardly ever moves. Nor is it where
+    seeds agree: all of them meet the same held-out starts, so more seeds tell no more about other
+    starts. So neither end is nearer than that of the Wilson interval of the same value over as many
+    episodes as there are starts, those of one seed.
     """
     return _bootstrap(tuple(tasks), statistic, resamples, confidence)
 
@@ -106,9 +107,30 @@ def _bootstrap(
     generator = np.random.default_rng(GENERATOR_SEED)
     drawn = [_resampled(task, resamples, generator) for task in tasks]
     found = _between_percentiles(value, statistic(np.concatenate(drawn, axis=-1)), confidence)
-    episodes = sum(sum(task.episodes) for task in tasks)
-    low, high = wilson_interval(round(value * episodes), episodes, confidence)
+    starts = sum(max(task.episodes) for task in tasks)
+    low, high = wilson_interval(round(value * starts), starts, confidence)
     return Interval(value, min(found.low, low), max(found.high, high))
+
+
+def difference(
+    x: Sequence[Seeds],
+    y: Sequence[Seeds],
+    resamples: int = RESAMPLES,
+    confidence: float = 0.95,
+) -> Interval:
+    """The mean rate of X less that of Y over all tasks, with a stratified bootstrap interval.
+
+    Both are resampled as in `bootstrap`, each by itself: seeds within a task, and their episodes.
+    """
+    generator = np.random.default_rng(GENERATOR_SEED)
+    (mine, drawn), (other, also) = (
+        (
+            mean(np.concatenate([task.rates for task in tasks])),
+            mean(np.concatenate([_resampled(task, resamples, generator) for task in tasks], -1)),
+        )
+        for tasks in (x, y)
+    )
+    return _between_percentiles(float(mine - other), drawn - also, confidence)
 
 
 def over_seeds(

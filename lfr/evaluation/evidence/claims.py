@@ -11,7 +11,7 @@ from lfr.evaluation.evidence.published import PUBLISHED, TASKS
 from lfr.evaluation.evidence.records import Evidence
 from lfr.evaluation.evidence.summary import OURS, summarise
 from lfr.evaluation.evidence.tables import percent_interval
-from lfr.evaluation.evidence.targets import Standing, expected_rivals, standing
+from lfr.evaluation.evidence.targets import Rival, Standing, expected_rivals, standing
 from lfr.evaluation.tables import markdown
 
 
@@ -31,11 +31,13 @@ def standings(evidence: Evidence) -> str:
 def _sentence(place: Standing, seeds: int) -> str:
     parts = [f"LfR {percent_interval(place.ours)} over {seeds} seed{'s' * (seeds != 1)}."]
     if place.level:
-        parts.append(f"Not told apart, the intervals overlapping: {_named(place.level)}.")
+        parts.append(
+            f"Not told apart, the intervals overlapping: {_named(place.level, place.ours)}."
+        )
     if place.above:
-        parts.append(f"Better: {_named(place.above)}.")
+        parts.append(f"Better: {_named(place.above, place.ours)}.")
     if place.below:
-        parts.append(f"Worse: {_named(place.below)}.")
+        parts.append(f"Worse: {_named(place.below, place.ours)}.")
     if not (place.level or place.above or place.below):
         parts.append("Nothing to compare it with yet.")
     elif not place.in_the_way:
@@ -49,22 +51,27 @@ def _unmeasured(place: Standing, transfer: str, reward: str) -> str:
     return f" Not measured yet: {', '.join(missing)}." if missing else ""
 
 
-def _named(others: Mapping[str, Interval]) -> str:
-    return ", ".join(f"{name} {percent_interval(one)}" for name, one in others.items())
+def _named(others: Mapping[str, Rival], ours: Interval) -> str:
+    """With LfR's of the same seeds, where that is another."""
+    return ", ".join(
+        f"{name} {percent_interval(one.theirs)}"
+        + (f" (LfR's of these seeds {percent_interval(one.ours)})" if one.ours != ours else "")
+        for name, one in others.items()
+    )
 
 
 def disagreements(evidence: Evidence) -> str:
-    """The paper's figures that lie outside the interval of our mean, largest difference first."""
+    """The paper's figures whose interval lies apart from our mean's, largest difference first."""
     found = []
     for (transfer, method), cell in PUBLISHED.items():
         for reward in evidence.rewards():
             ours = summarise(evidence, transfer, method, reward)
-            rate = cell.rate / 100
-            if ours and not ours.mean.low <= rate <= ours.mean.high:
+            if ours and ours.mean.beside(cell.interval) != "level":
                 shown = reward if ours.env_steps is not None else "-"
-                points = 100 * (ours.mean.value - rate)
-                row = [TASKS[transfer], method_label(method), shown, f"{cell.rate:.1f}",
-                       percent_interval(ours.mean), f"{points:+.1f}"]  # fmt: skip
+                points = 100 * ours.mean.value - cell.rate
+                row = [TASKS[transfer], method_label(method), shown,
+                       percent_interval(cell.interval), percent_interval(ours.mean),
+                       f"{points:+.1f}"]  # fmt: skip
                 if (points, row) not in found:  # one without a reward: once
                     found.append((points, row))
     if not found:
@@ -83,4 +90,7 @@ def time_of_runs(evidence: Evidence) -> str:
             parts.append(f"{label} {median(seconds):.0f} (at most {max(seconds):.0f})")
     if not parts:
         return "No run has been timed yet."
-    return f"Seconds of a run's learning, median over all runs: {', '.join(parts)}."
+    return (
+        f"Seconds of a run's learning, median over all runs: {', '.join(parts)}. Not a comparison "
+        "of methods: they ran beside other work, more or less of it, and on two machines."
+    )

@@ -4,15 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from lfr.evaluation.evidence.aggregate import Interval, Seeds, bootstrap
+from lfr.evaluation.evidence.aggregate import Seeds, bootstrap, difference
 from lfr.evaluation.evidence.names import method_label
-from lfr.evaluation.evidence.plain import reason_for_ap, reason_for_imitation
+from lfr.evaluation.evidence.pairs import no_learning
+from lfr.evaluation.evidence.plain import plain_sentence, reason_for_ap, reason_for_imitation
 from lfr.evaluation.evidence.published import TASKS
 from lfr.evaluation.evidence.records import Evidence, counts
 from lfr.evaluation.evidence.reference import reference_sentence
 from lfr.evaluation.evidence.summary import OURS, summarise
-from lfr.evaluation.evidence.tables import DASH, percent, percent_interval
-from lfr.evaluation.evidence.targets import no_learning, standing
+from lfr.evaluation.evidence.tables import (
+    DASH,
+    over_tasks,
+    percent,
+    percent_interval,
+    points_interval,
+)
+from lfr.evaluation.evidence.targets import Rival, standing
 from lfr.evaluation.tables import markdown
 
 WITHOUT_MAPPING = {
@@ -52,7 +59,8 @@ def findings(evidence: Evidence) -> str:
     """One item for each question that the evidence can answer so far."""
     items = [_rival(evidence, label, what) for label, what in WITHOUT_MAPPING.items()]
     items += [
-        _learning(evidence), _generator(evidence), _linear(evidence), _rotation(evidence)
+        _learning(evidence), plain_sentence(evidence), _generator(evidence), _linear(evidence),
+        _between_seeds(evidence),
     ]  # fmt: skip
     if evidence.reference:
         items.append(f"**Is this SAC a fair baseline?** {reference_sentence(evidence.reference)}")
@@ -67,11 +75,12 @@ def _rival(evidence: Evidence, label: str, what: str) -> str | None:
         for reward in evidence.rewards():
             place = standing(evidence, transfer, reward)
             for name, named in places.items():
-                one: Interval | None = getattr(place, name).get(label) if place else None
-                if place and one:
-                    points.append(100 * (one.value - place.ours.value))
-                    named.append(f"{task}, {reward} ({percent(one.value)} against LfR's "
-                                 f"{percent(place.ours.value)})")  # fmt: skip
+                one: Rival | None = getattr(place, name).get(label) if place else None
+                if one:
+                    theirs, ours = one.theirs.value, one.ours.value
+                    points.append(100 * (theirs - ours))
+                    named.append(f"{task}, {reward} ({percent(theirs)} against LfR's "
+                                 f"{percent(ours)})")  # fmt: skip
     if not points:
         return None
     good, every = len(places["level"]) + len(places["above"]), len(points)
@@ -82,11 +91,23 @@ def _rival(evidence: Evidence, label: str, what: str) -> str | None:
     parts = [
         f"**{label[0].upper()}{label[1:]} {verdict} {share} "
         f"comparison{'s' * (every > 1)} of task and reward**: {what}. "
-        f"Its interquartile mean is {_points(min(points), max(points))} LfR's."
+        f"Its interquartile mean is {_points(min(points), max(points))} LfR's.",
+        _difference(evidence, label),
     ]
     for said, named in (("Better: ", places["above"]), ("Worse: ", places["below"])):
         parts += [f"{said}{'; '.join(named)}."] if named and good else []
     return " ".join(parts)
+
+
+def _difference(evidence: Evidence, label: str) -> str:
+    """How much more LfR's mean is, over all tasks."""
+    parts = []
+    for reward in evidence.rewards():
+        found = over_tasks(evidence, reward).get(label)
+        if found:
+            ours, theirs = ([getattr(pair, side) for pair in found] for side in ("ours", "theirs"))
+            parts.append(f"{points_interval(difference(ours, theirs))} points ({reward})")
+    return f"LfR's mean less its own, over all tasks compared: {', '.join(parts)}."
 
 
 def _points(low: float, high: float) -> str:
@@ -134,19 +155,19 @@ def _linear(evidence: Evidence) -> str | None:
         found = evidence.links.get(transfer)
         if not found or not {"linear", "mapped"} <= set(found.links):
             continue
-        linear = found.links["linear"]
-        same = found.only("mapped", found.seeds["linear"]).links["mapped"]
-        if same.successes:
+        shared = set(found.seeds["linear"]) & set(found.seeds["mapped"])
+        if shared:
+            linear, same = (found.only(link, shared).links[link] for link in ("linear", "mapped"))
             parts.append(f"{task}: {_cell(linear)} linear, {_cell(same)} with G")
     if not parts:
         return None
     return (
         "**A closed-form linear map in G's place**, before any learning (links `linear` and "
-        f"`mapped`, of the seeds that `linear` has): {'; '.join(parts)}."
+        f"`mapped`, of the seeds that both have): {'; '.join(parts)}."
     )
 
 
-def _rotation(evidence: Evidence) -> str | None:
+def _between_seeds(evidence: Evidence) -> str | None:
     """One arm mapped onto itself: what of the problem is the latents' own arbitrariness."""
     parts = [
         f"{task}: {_cell(found)}"
@@ -157,7 +178,7 @@ def _rotation(evidence: Evidence) -> str | None:
         return None
     return (
         "**One arm, two VAE seeds** (link `between_seeds`): this mapping has nothing to bridge but "
-        f"the latents' arbitrary rotation. Success: {'; '.join(parts)}."
+        f"the latents' arbitrary coordinates. Success: {'; '.join(parts)}."
     )
 
 

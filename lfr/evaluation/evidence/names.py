@@ -21,8 +21,8 @@ METHODS = {
 """Methods that learn, ours first, then the paper's baselines, ablations, and the questions."""
 
 LINKS = {
-    "own_arm": "source prior and source decoder on the source arm: the source's ceiling",
-    "oracle": "the target's own prior of the new task: the target's ceiling",
+    "own_arm": "source prior and source decoder on the source arm: what the source itself can do",
+    "oracle": "the target's own prior, of its own demonstrations of the new task",
     "oracle_decoder": "mapped, with a target decoder that has seen the new task",
     "identity": "source prior and source decoder on the target: the arms' difference alone",
     "recoded": "identity's actions through the target's VAE: what that VAE can say",
@@ -33,14 +33,14 @@ LINKS = {
     "only_lift": "G of the common task Lift alone",
     "only_nut_assembly": "G of the common task Nut Assembly alone",
     "only_pick_place": "G of the common task Pick-Place alone",
-    "between_seeds": "between two VAE seeds of one arm: the latents' rotation alone",
+    "between_seeds": "between two VAE seeds of one arm: the latents' coordinates alone",
     "wrong_task": "the prior of another task, mapped",
     "no_generator": "source latents straight into the target's decoder",
     "shuffled": "G of pairs that do not belong together",
     "untrained": "G as initialised",
     "constant": "one and the same distribution in every state",
 }
-"""Zero-shot links: ceilings, the chain, other ways to map, and what ought to fail."""
+"""Zero-shot links: each arm by itself, the chain, other ways to map, and what ought to fail."""
 
 REWARDS = ("sparse", "dense")
 

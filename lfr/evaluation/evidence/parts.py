@@ -81,8 +81,16 @@ def _said(evidence: Evidence, transfer: str) -> str:
     sentences = []
     for link, parts in SAID.items():
         for before, sets, how in (
-            (evidence.links.get(transfer), alone, "Beside ours, one part set back"),
-            (evidence.plain.get(transfer), all_but, "Beside the paper's reading, one part kept"),
+            (
+                evidence.links.get(transfer),
+                alone,
+                "Compared with all our choices, with one part set back",
+            ),
+            (
+                evidence.plain.get(transfer),
+                all_but,
+                "Compared with the paper's reading, with one part kept",
+            ),
         ):
             moved = _moved(before, {p: one for p, one in sets.items() if p in parts}, link)
             if moved:
@@ -105,7 +113,7 @@ def _moved(before: Links | None, sets: Sets, link: str) -> str:
             places[rates[2]].append(f"`{part}` ({said})")
     words = {"below": "below", "above": "above", "level": "not told apart"}
     return "; ".join(
-        f"{words[place]} with {', '.join(found)}" for place, found in places.items() if found
+        f"{words[place]} for {', '.join(found)}" for place, found in places.items() if found
     )
 
 

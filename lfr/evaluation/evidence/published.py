@@ -9,6 +9,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from lfr.evaluation.evidence.aggregate import Interval
+from lfr.evaluation.statistics import wilson_interval
+
+TRIALS = 30  # 3 tests of 10
+
 
 @dataclass(frozen=True)
 class Published:
@@ -16,6 +21,12 @@ class Published:
 
     rate: float
     deviation: float
+
+    @property
+    def interval(self) -> Interval:
+        """Wilson's, of the trials that it is the mean of."""
+        rate = self.rate / 100
+        return Interval(rate, *wilson_interval(round(rate * TRIALS), TRIALS))
 
     def __str__(self) -> str:
         return f"{self.rate:.1f} ± {self.deviation:.1f}"

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from lfr.artifacts import write_whole
 from lfr.errors import DataError
+from lfr.evaluation.evidence.plain import plain_sentence
 from lfr.evaluation.evidence.published import PUBLISHED, TASKS
 from lfr.evaluation.evidence.records import Evidence, read_evidence
 from lfr.evaluation.evidence.summary import OURS, Summary, summarise
@@ -34,9 +35,14 @@ def evidence_block(results: Path = RESULTS) -> str:
         _table(evidence).strip(),
         "Percent of held-out episodes over seeds, each a whole repetition from the split of the "
         "demonstrations on: mean, and interquartile mean (IQM) with its bootstrap interval of "
-        "95 %. Not below: methods, and links without learning, whose intervals overlap LfR's or "
-        'lie above it; "so far" where a comparison is still missing. Tables I to III, curves and '
-        f"questions: [report.md]({folder}/report.md).",
+        "95 %. Goal: the success that this project set out to reach. Zero-shot: before learning. "
+        "Robosuite: the final policy in stock robosuite, on the first of the starts only. Not "
+        "below: methods whose intervals overlap LfR's or lie above it. BC+RNN: a recurrent policy "
+        "cloned from the source's demonstrations. AP: the source's policy, fine-tuned on the "
+        "target without a mapping. Identity: the same as it is, no learning. Recoded: its actions "
+        "through the target's VAE. Shared VAE: one latent space for both arms.",
+        *filter(None, [plain_sentence(evidence)]),
+        f"Tables I to III, curves and questions: [report.md]({folder}/report.md).",
     ])  # fmt: skip
 
 
@@ -60,7 +66,7 @@ def _ours(evidence: Evidence, transfer: str, reward: str) -> list[object]:
     known = {**place.in_the_way, **place.below}
     others = ", ".join(place.in_the_way) or "none"
     if not known.keys() >= set(expected_rivals(transfer, reward)):
-        others = f"{others} so far" if known else DASH
+        others = f"so far: {others}" if known else DASH
     return [percent(found.mean.value), percent_interval(found.iqm), len(found.seeds),
             percent(found.zero_shot), percent(found.stock), others]  # fmt: skip
 

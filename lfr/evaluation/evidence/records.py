@@ -6,7 +6,7 @@ The evidence comes in over hours. What is not there yet is simply missing here.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +27,7 @@ STAGES = (
     "plain", "learn_plain", "imitate_plain", "plain_parts",
 )  # fmt: skip
 STOCK = "robosuite"
+UNVARIED = ("lfr", "ap", "sac", "no_generator", "spirl_no_prior")  # of the seed's models alone
 
 
 @dataclass(frozen=True)
@@ -41,6 +42,7 @@ class SeedRun:
         stock_episodes: the starts that robosuite judged, the first ones of ``episodes``.
         env_steps: of learning; None for a method that takes none.
         seconds: of learning.
+        models: the start of the SHA-256 of what it began with; None of a method that has none.
         curve: of the running evaluations.
     """
 
@@ -55,6 +57,7 @@ class SeedRun:
     stock_episodes: int | None = None
     env_steps: int | None = None
     seconds: float | None = None
+    models: str | None = None
     curve: Curve | None = None
 
     @property
@@ -136,13 +139,18 @@ def counts(runs: Sequence[SeedRun]) -> Seeds:
 
 
 def of_seeds(runs: Sequence[SeedRun], seeds: Iterable[int]) -> list[SeedRun]:
-    """Those runs whose seed is among ``seeds``; all of them if none is.
-
-    For interquartile means that stand side by side: of five seeds the lowest is left out, of three
-    none is, so more seeds alone would look better.
-    """
+    """Those runs whose seed is among ``seeds``."""
     wanted = set(seeds)
-    return [run for run in runs if run.seed in wanted] or list(runs)
+    return [run for run in runs if run.seed in wanted]
+
+
+def made_again(evidence: Evidence, transfer: str) -> bool:
+    """Whether runs that begin with the same models, by their seed, began with different ones."""
+    found: dict[int, set[str]] = {}
+    for run in evidence.runs:
+        if run.transfer == transfer and run.method in UNVARIED and run.models:
+            found.setdefault(run.seed, set()).add(run.models)
+    return any(len(models) > 1 for models in found.values())
 
 
 def read_evidence(paper: Path = PAPER) -> Evidence:
@@ -184,16 +192,7 @@ def _learned(folder: Path) -> list[SeedRun]:
             learned = {"zero_shot": before["rate"] if before else None, "curve": curve,
                        "env_steps": run["env_steps"], "reward": run["reward"]}  # fmt: skip
             runs.append(_seed_run(content, run, learned))
-    return _same_beginnings(runs)
-
-
-def _same_beginnings(runs: list[SeedRun]) -> list[SeedRun]:
-    """Every run with its zero-shot rate, which is judged once for all rewards of a seed."""
-    known = {
-        (run.transfer, run.method, run.seed): run.zero_shot
-        for run in runs if run.zero_shot is not None
-    }  # fmt: skip
-    return [replace(run, zero_shot=known.get((run.transfer, run.method, run.seed))) for run in runs]
+    return runs
 
 
 def _imitated(folder: Path) -> list[SeedRun]:
@@ -210,7 +209,8 @@ def _seed_run(about: dict[str, Any], run: dict[str, Any], learned: dict[str, Any
         transfer=about["transfer"], method=about["method"], seed=run["seed"],
         successes=judged["successes"], episodes=judged["episodes"],
         stock=stock["rate"] if stock else None,
-        stock_episodes=stock["episodes"] if stock else None, seconds=run.get("seconds"), **learned,
+        stock_episodes=stock["episodes"] if stock else None, seconds=run.get("seconds"),
+        models=run.get("models"), **learned,
     )  # fmt: skip
 
 

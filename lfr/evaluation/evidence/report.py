@@ -9,11 +9,12 @@ from lfr.evaluation.evidence.claims import disagreements, standings, time_of_run
 from lfr.evaluation.evidence.curves import LEVELS
 from lfr.evaluation.evidence.figures import FIGURES, others
 from lfr.evaluation.evidence.findings import findings, reasons, short_table
+from lfr.evaluation.evidence.pairs import NO_LEARNING
 from lfr.evaluation.evidence.parts import TITLE as WHICH
 from lfr.evaluation.evidence.parts import parts_section
 from lfr.evaluation.evidence.plain import TITLE, plain_section
-from lfr.evaluation.evidence.published import TABLES, TASKS
-from lfr.evaluation.evidence.records import STAGES, Evidence
+from lfr.evaluation.evidence.published import TABLES, TASKS, TRIALS
+from lfr.evaluation.evidence.records import STAGES, Evidence, made_again
 from lfr.evaluation.evidence.summary import summaries
 from lfr.evaluation.evidence.tables import (
     methods_table,
@@ -21,11 +22,14 @@ from lfr.evaluation.evidence.tables import (
     paper_table,
     questions_table,
 )
-from lfr.evaluation.evidence.targets import NO_LEARNING, targets_table
+from lfr.evaluation.evidence.targets import targets_table
 from lfr.evaluation.tables import stage_table
 
 # stages that the paper's tables can do without
-EXTRA = ("zero_shot", "reference", "plain_demonstrations", "plain", "learn_plain", "plain_parts")
+EXTRA = (
+    "zero_shot", "reference", "plain_demonstrations", "plain", "learn_plain", "imitate_plain",
+    "plain_parts",
+)  # fmt: skip
 TITLES = {
     "figure3": "Figure 3: scenario 1, the paper's methods",
     "figure4": "Figure 4: scenario 2, the paper's methods",
@@ -44,8 +48,9 @@ def report(evidence: Evidence) -> str:
 
 ![Final success of every method](headline.svg)
 
-Interquartile means over seeds with their intervals, in percent of held-out episodes. One is
-not below LfR where the intervals overlap or its own is higher; few seeds make wide ones.
+Interquartile means over seeds with their intervals, in percent of held-out episodes. A method
+counts as not below LfR where its interval overlaps LfR's or lies above it, which does not prove
+them equal.
 
 {short_table(evidence)}
 {findings(evidence)}
@@ -56,17 +61,19 @@ not below LfR where the intervals overlap or its own is higher; few seeds make w
 
 ## What was to be reached
 
-The goal is for the mean over seeds of the final held-out rates. "Reached in" is 0 where the
-policy is there before learning, else the first running evaluation whose mean over seeds is. LfR is
-above every other where the lower end of its interval is above the upper end of each other
-method's, and of the links without learning {", ".join(f"`{link}`" for link in NO_LEARNING)};
+The goal is for the mean over seeds of the final held-out rates; each was set before these runs,
+above the paper's figure. "Reached in" is 0 where the policy is there before learning, otherwise
+the environment steps at the first evaluation during learning, of a few starts for each seed, whose
+mean over seeds is. "In time" asks that of the budget "in steps", or that the whole run be within
+it. LfR is above every other where the lower end of its interval is above the upper end of each
+other method's, and of the links without learning {", ".join(f"`{link}`" for link in NO_LEARNING)};
 its ablations and the oracles are not compared; "so far" where a comparison is still missing.
 
 {targets_table(evidence)}
 ## Who is not below LfR
 
-Interquartile means with their intervals; not told apart means that the intervals overlap, LfR's
-being that of the seeds that both have.
+Interquartile means with their intervals. "Not told apart" means that the intervals overlap. Each
+is compared with LfR's of the seeds that both have.
 
 {standings(evidence)}
 
@@ -76,20 +83,23 @@ being that of the seeds that both have.
 
 Area: under the curve of the running evaluations, over its length. Steps to {levels} %: the first
 running evaluation that is there, median over seeds. P(LfR better): the probability that a seed of
-LfR is above one of the method, ties counting half. Zero-shot: before any learning. Each seed's
+LfR is above one of the method, ties counting half; its interval has no width where all pairs of
+seeds agree. Zero-shot: before any learning. Robosuite: the final policy in stock robosuite, on the
+first {_first(evidence)} starts only, which may be easier or harder than all of them. Each seed's
 final rate is in the order of the seeds.
 
 {_methods(evidence)}
 ### Over all tasks
 
-Over the tasks that the method and LfR both have runs of, stratified by task. LfR's IQM there is
-of the same seeds.
+Over the tasks that the method and LfR both have runs of, stratified by task, of the seeds that
+both have. The difference of the means is in points.
 
 {overall_table(evidence)}
 ## Questions that need no learning
 
-Zero-shot success on the new task: mean over seeds with its bootstrap interval over seeds and
-episodes, and each seed.
+A link is a policy put together from chosen parts (whose prior, which mapping, whose decoder, which
+arm) and judged without any learning. Success on the new task: mean over seeds with its bootstrap
+interval over seeds and episodes, and each seed.
 
 {questions_table(evidence)}
 ## {TITLE}
@@ -98,13 +108,14 @@ The paper says of its demonstrations that they were collected in simulation. Our
 models see them moved and blurred, and half of each skill is carried out. Section `plain` of
 paper/params.yaml sets these choices of docs/method.md back to the paper's reading, all at once;
 then demonstrations are recorded, models trained and judged on the same starts once more. Mean over
-seeds, the same ones in both rows, with its bootstrap interval, and each seed. A task counts as
-fallen or risen where these intervals do not overlap.
+seeds, those of the same numbers in both rows, with its bootstrap interval, and each seed. A task
+counts as fallen or risen where these intervals do not overlap.
 
 {plain_section(evidence)}{_parts(evidence)}
 ## Where this disagrees with the paper
 
-The paper's figures outside the interval of our mean.
+The paper's figures whose interval lies apart from that of our mean: Wilson's, as if each were the
+mean of {TRIALS} trials, which it says it is.
 
 {disagreements(evidence)}
 {reasons(evidence, evidence.methods())}
@@ -121,16 +132,30 @@ def _protocol(evidence: Evidence) -> str:
     seeds = sorted({run.seed for run in evidence.runs})
     return f"""A seed is a whole repetition: the split of the demonstrations, skill models, mapping,
 and learning. Every final policy is judged at a fixed number of environment steps on the same
-{episodes} held-out starts, which nothing was trained on, by this project's engine; the column
-robosuite is stock robosuite's word on {_stock(evidence)}. Success is robosuite's own check, at
-any step within the horizon. All environment steps count, the warm-up included. Seeds so far:
-{", ".join(map(str, seeds)) or "none"}.
+{episodes} held-out starts by this project's engine, and on the first {_first(evidence)} of them in
+stock robosuite. Nothing was trained on these starts, and no value was chosen by them; that
+something had to be mended was seen on them more than once (docs/evidence.md, Tuning). Success
+is robosuite's own check, at any step within the horizon. All environment steps count, the warm-up
+included. Seeds so far: {", ".join(map(str, seeds)) or "none"}.
 
 Intervals are of 95 %. The interquartile mean (IQM) leaves out the lowest and the highest quarter
 of the seeds; its interval is a stratified bootstrap over seeds, and over the episodes of each
-(Agarwal et al. 2021; `lfr.evaluation.evidence.aggregate`), and never narrower than Wilson's of all
-episodes. Every number is computed from the files beside this one, by
-`python -m pipeline.paper.report`."""
+(Agarwal et al. 2021; `lfr.evaluation.evidence.aggregate`), and never narrower than Wilson's of as
+many episodes as there are starts, which all policies share. With three to five seeds a bootstrap is
+rather too narrow than too wide: a seed that fails now and then may not have been drawn. Every
+number is computed from the files beside this one, by
+`python -m pipeline.paper.report`.{_made_again(evidence)}"""
+
+
+def _made_again(evidence: Evidence) -> str:
+    """Where runs of one seed began with two trainings of its models: a sentence, or nothing."""
+    tasks = [TASKS[transfer] for transfer in TASKS if made_again(evidence, transfer)]
+    if not tasks:
+        return ""
+    return f""" For what ran later the models of
+{"; ".join(tasks)} were trained once more: a seed's number is there not always the training of
+LfR's of that number, and what is judged before learning may differ from the same link by a few
+points (docs/evidence.md, Reproducibility)."""
 
 
 def _parts(evidence: Evidence) -> str:
@@ -140,16 +165,16 @@ def _parts(evidence: Evidence) -> str:
     return f"""
 ### {WHICH}
 
-The links between ours and the paper's reading: one part of the choices set back alone, and all
-but one. The first says whether a link needs that part where it has all others, the second what
-that part is worth where it has none else. A column is of the same seeds in every row.
+Between ours and the paper's reading: one part of the choices set back and the rest kept (is this
+part necessary?), or one part kept and the rest set back (is it enough?). A column is of the seeds
+of the same numbers in every row.
 
 {found}"""
 
 
-def _stock(evidence: Evidence) -> str:
+def _first(evidence: Evidence) -> str:
     judged = {run.stock_episodes for run in evidence.runs if run.stock_episodes is not None}
-    return f"the first {' or '.join(map(str, sorted(judged)))} of them" if judged else "them"
+    return " or ".join(map(str, sorted(judged))) or "0"
 
 
 def _tables(evidence: Evidence) -> str:

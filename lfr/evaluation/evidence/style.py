@@ -1,4 +1,4 @@
-"""How a method looks in every figure: a colour, a line and a mark, each enough to know it by."""
+"""How a method looks in every figure: a colour, a line and a mark."""
 
 from __future__ import annotations
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from lfr.evaluation.evidence.aggregate import Interval, bootstrap, improvement, mean
+from lfr.evaluation.evidence.aggregate import Interval, bootstrap, difference, improvement, mean
 from lfr.evaluation.evidence.curves import LEVELS
 from lfr.evaluation.evidence.links import Links
-from lfr.evaluation.evidence.names import LINKS, in_order, method_label
+from lfr.evaluation.evidence.names import LINKS, METHODS, in_order, method_label
+from lfr.evaluation.evidence.pairs import Pair, pairs
 from lfr.evaluation.evidence.published import PUBLISHED, TASKS, PaperTable
-from lfr.evaluation.evidence.records import Evidence, SeedRun, counts, of_seeds
+from lfr.evaluation.evidence.records import Evidence
 from lfr.evaluation.evidence.summary import OURS, Summary, summarise
 from lfr.evaluation.tables import markdown
 
@@ -24,6 +25,12 @@ def percent(rate: float | None) -> str:
 def percent_interval(found: Interval) -> str:
     """``97.4 [95.0, 98.8]``"""
     return f"{percent(found.value)} [{percent(found.low)}, {percent(found.high)}]"
+
+
+def points_interval(found: Interval) -> str:
+    """``+1.0 [+0.4, +1.6]``"""
+    value, low, high = (f"{100 * end:+.1f}" for end in (found.value, found.low, found.high))
+    return f"{value} [{low}, {high}]"
 
 
 def paper_table(table: PaperTable, evidence: Evidence) -> str:
@@ -93,34 +100,38 @@ def _probability(found: Interval) -> str:
 
 
 def overall_table(evidence: Evidence) -> str:
-    """Every method over all transfers that it and LfR have, stratified over these.
+    """Every method, and links without learning, over all transfers that they and LfR have.
 
-    LfR's interquartile mean is of the seeds that both have.
+    Stratified over these; LfR's is of the seeds that both have.
     """
-    header = ["method", "reward", "tasks", "IQM", "LfR's IQM there", "P(LfR better)"]
+    header = ["method", "reward", "tasks", "IQM", "LfR's IQM there", "LfR's mean less this",
+              "P(LfR better)"]  # fmt: skip
     rows = []
     for reward in evidence.rewards():
-        for method in evidence.methods():
-            both = [
-                pair for transfer in TASKS if (pair := _pair(evidence, transfer, method, reward))
-            ]
-            if not both:
-                continue
-            theirs, ours = ([counts(pair[i]) for pair in both] for i in (0, 1))
-            same = [counts(of_seeds(pair[1], (run.seed for run in pair[0]))) for pair in both]
-            better = DASH if method == OURS else _probability(improvement(ours, theirs))
-            rows.append([method_label(method), reward, len(both),
-                         percent_interval(bootstrap(theirs)), percent_interval(bootstrap(same)),
-                         better])  # fmt: skip
+        for label, found in over_tasks(evidence, reward).items():
+            theirs, ours = ([getattr(pair, side) for pair in found] for side in ("theirs", "ours"))
+            against = [DASH, DASH]
+            if label != method_label(OURS):
+                points = points_interval(difference(ours, theirs))
+                against = [points, _probability(improvement(ours, theirs))]
+            rows.append([label, reward, len(found), percent_interval(bootstrap(theirs)),
+                         percent_interval(bootstrap(ours)), *against])  # fmt: skip
     return markdown(header, rows)
 
 
-def _pair(
-    evidence: Evidence, transfer: str, method: str, reward: str
-) -> tuple[list[SeedRun], list[SeedRun]] | None:
-    """A method's runs and LfR's, where both have some."""
-    theirs, ours = (evidence.of(transfer, name, reward) for name in (method, OURS))
-    return (theirs, ours) if theirs and ours else None
+def over_tasks(evidence: Evidence, reward: str) -> dict[str, list[Pair]]:
+    """label -> its pair on each transfer that has one."""
+    found: dict[str, list[Pair]] = {}
+    for transfer in TASKS:
+        for label, pair in pairs(evidence, transfer, reward).items():
+            found.setdefault(label, []).append(pair)
+    return {label: found[label] for label in sorted(found, key=_order)}
+
+
+def _order(label: str) -> int:
+    """Methods as in the other tables, then links."""
+    labels = list(METHODS.values())
+    return labels.index(label) if label in labels else len(labels)
 
 
 def questions_table(evidence: Evidence) -> str:

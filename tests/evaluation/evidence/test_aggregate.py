@@ -11,6 +11,7 @@ from scipy import stats
 from lfr.evaluation.evidence.aggregate import (
     Seeds,
     bootstrap,
+    difference,
     improvement,
     interquartile_mean,
     mean,
@@ -81,19 +82,46 @@ def test_each_task_is_resampled_by_itself() -> None:
 
 @pytest.mark.parametrize("successes", [0, 100])
 def test_all_alike_is_no_certainty(successes: int) -> None:
+    """Of the starts, which both seeds meet: not of twice as many."""
     found = bootstrap([Seeds((successes, successes), (100, 100))])
-    wilson = stats.binomtest(2 * successes, 200).proportion_ci(method="wilson")
+    wilson = stats.binomtest(successes, 100).proportion_ci(method="wilson")
     assert (found.low, found.high) == pytest.approx((wilson.low, wilson.high), abs=1e-12)
 
 
-def test_no_interval_is_narrower_than_that_of_its_episodes() -> None:
+def test_no_interval_is_narrower_than_that_of_its_starts() -> None:
     """One failure in 500: the middle three seeds of nearly every resample have none."""
     found = bootstrap([Seeds((100, 100, 100, 100, 99), (100,) * 5)])
-    wilson = stats.binomtest(500, 500).proportion_ci(method="wilson")  # of the IQM's value, 1
+    wilson = stats.binomtest(100, 100).proportion_ci(method="wilson")  # of the IQM's value, 1
     assert found.value == 1.0
     assert found.low <= wilson.low + 1e-12
     worse = bootstrap([Seeds((100, 100, 99, 99, 99), (100,) * 5)])
     assert worse.high >= found.low  # 499 and 497 of 500 are not told apart
+
+
+def test_seeds_that_fail_at_the_same_starts_are_covered() -> None:
+    """Each start succeeds always or never, whoever tries: 100 of them say as much as one seed."""
+    generator, rate = np.random.default_rng(3), 0.9
+    held = 0
+    for _ in range(200):
+        successes = int(generator.binomial(100, rate))
+        found = bootstrap([Seeds((successes,) * 5, (100,) * 5)], resamples=200)
+        held += found.low <= rate <= found.high
+    assert held >= 0.9 * 200
+
+
+def test_difference_of_means_is_scipys() -> None:
+    """Of many episodes, so that the seeds alone vary; a shift of all tasks moves it as far."""
+    x, y = (0.5, 0.6, 0.9, 0.7, 0.8), (0.4, 0.1, 0.3, 0.2, 0.6)
+    expected = stats.bootstrap(
+        (x, y), lambda a, b, axis: np.mean(a, axis) - np.mean(b, axis), method="percentile",
+        n_resamples=10_000, rng=np.random.default_rng(1),
+    ).confidence_interval  # fmt: skip
+    found = difference([exact(*x)], [exact(*y)])
+    assert found.value == pytest.approx(np.mean(x) - np.mean(y))
+    assert (found.low, found.high) == pytest.approx((expected.low, expected.high), abs=0.02)
+    both = difference([exact(*x), exact(0.5)], [exact(*y), exact(0.5)])
+    assert both.value == pytest.approx(found.value * 5 / 6)
+    assert difference([exact(*y)], [exact(*x)]).value == pytest.approx(-found.value)
 
 
 @settings(max_examples=30)

@@ -55,24 +55,29 @@ def test_a_row_for_each_set_of_choices_from_ours_to_plain(paper: Path) -> None:
 
 
 def test_what_a_part_does_alone_and_where_it_alone_is_kept(paper: Path) -> None:
-    said = [line for line in section(paper).splitlines() if line.startswith("- B")]
-    back, kept = "Beside ours, one part set back,", "Beside the paper's reading, one part kept,"
+    said = [line for line in section(paper).splitlines() if line.startswith("- C")]
+    back = "Compared with all our choices, with one part set back,"
+    kept = "Compared with the paper's reading, with one part kept,"
     assert said == [
-        f"- {back} `identity` is below with `demonstrations` (99.5 to 51.0; own arm 97.5 to 61.0); "
-        "not told apart with `vae` (99.5 to 99.5).",
-        f"- {kept} `identity` is above with `demonstrations` (13.0 to 94.5).",
-        f"- {back} `mapped` is below with `demonstrations` (91.0 to 0.5; own arm 97.5 to 61.0), "
+        f"- {back} `identity` is below for `demonstrations` (99.5 to 51.0; own arm 97.5 to 61.0); "
+        "not told apart for `vae` (99.5 to 99.5).",
+        f"- {kept} `identity` is above for `demonstrations` (13.0 to 94.5).",
+        f"- {back} `mapped` is below for `demonstrations` (91.0 to 0.5; own arm 97.5 to 61.0), "
         "`vae` (91.0 to 42.0; own arm 97.5 to 97.5).",
-        f"- {kept} `mapped` is not told apart with `demonstrations` (0.0 to 0.5).",
+        f"- {kept} `mapped` is not told apart for `demonstrations` (0.0 to 0.5).",
     ]
 
 
 def test_the_mapping_is_not_asked_about_what_has_none(paper: Path) -> None:
-    zero_shot(paper, CAN, LINKS | {"mapped": [99, 99]}, "plain_parts", ["mapping"])
-    (identity,) = [line for line in section(paper).splitlines() if "ours" in line and "`id" in line]
-    (mapped,) = [line for line in section(paper).splitlines() if "ours" in line and "`mapp" in line]
+    zero_shot(paper, CAN, LINKS | {"mapped": [100, 100]}, "plain_parts", ["mapping"])
+    (identity,) = [
+        line for line in section(paper).splitlines() if "our choices" in line and "`id" in line
+    ]
+    (mapped,) = [
+        line for line in section(paper).splitlines() if "our choices" in line and "`mapp" in line
+    ]
     assert "`mapping`" not in identity
-    assert "above with `mapping` (91.0 to 99.0)" in mapped
+    assert "above for `mapping` (91.0 to 100.0)" in mapped
 
 
 @pytest.mark.parametrize("longer", ["zero_shot", "plain", "demonstrations", "vae"])
