@@ -79,10 +79,16 @@ def curve_figure(path: Path, figure: CurveFigure, evidence: Evidence) -> None:
                   if line.get_label() in map(no_learning, figure.links)}  # fmt: skip
         handles += levels.values()
         if handles:
-            drawn.legend(handles=handles, loc="outside upper center", ncols=min(len(handles), 5),
+            drawn.legend(handles=handles, loc="outside upper center", ncols=_columns(handles),
                          handlelength=3.2)  # fmt: skip
         with write_whole(path) as partial:
             drawn.savefig(partial, format="svg", metadata={"Date": None})
+
+
+def _columns(handles: Sequence[Any]) -> int:
+    """Of a legend: one row where its labels fit over two panels, some hundred letters."""
+    letters = sum(len(handle.get_label()) + 9 for handle in handles)  # and each its line
+    return len(handles) if letters <= 100 else 3
 
 
 def others(figure: CurveFigure, evidence: Evidence) -> list[SeedRun]:
