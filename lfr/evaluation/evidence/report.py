@@ -139,11 +139,11 @@ is robosuite's own check, at any step within the horizon. All environment steps 
 included. Seeds so far: {", ".join(map(str, seeds)) or "none"}.
 
 Intervals are of 95 %. The interquartile mean (IQM) leaves out the lowest and the highest quarter
-of the seeds; its interval is a stratified bootstrap over seeds, and over the episodes of each
-(Agarwal et al. 2021; `lfr.evaluation.evidence.aggregate`), and never narrower than Wilson's of as
-many episodes as there are starts, which all policies share. With three to five seeds a bootstrap is
-rather too narrow than too wide: a seed that fails now and then may not have been drawn. Every
-number is computed from the files beside this one, by
+of the seeds, of three none; its interval is a stratified bootstrap over seeds, and over the
+episodes of each (Agarwal et al. 2021; `lfr.evaluation.evidence.aggregate`), and never narrower than
+Wilson's of as many episodes as there are starts, which all policies share. With three to five seeds
+a bootstrap is rather too narrow than too wide: a seed that fails now and then may not have been
+drawn. Every number is computed from the files beside this one, by
 `python -m pipeline.paper.report`.{_made_again(evidence)}"""
 
 
