@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from statistics import median
 
 from lfr.evaluation.evidence.aggregate import Interval
 from lfr.evaluation.evidence.names import method_label
@@ -78,19 +77,3 @@ def disagreements(evidence: Evidence) -> str:
         return "None of the figures measured so far.\n"
     rows = [row for _, row in sorted(found, key=lambda one: -abs(one[0]))]
     return markdown(["task", "method", "reward", "paper", "here, mean", "points"], rows)
-
-
-def time_of_runs(evidence: Evidence) -> str:
-    """A sentence: how long learning takes, run by run, by method."""
-    parts = []
-    for method in evidence.methods():
-        seconds = [run.seconds for run in evidence.runs if run.method == method and run.seconds]
-        if seconds:
-            label = method_label(method)
-            parts.append(f"{label} {median(seconds):.0f} (at most {max(seconds):.0f})")
-    if not parts:
-        return "No run has been timed yet."
-    return (
-        f"Seconds of a run's learning, median over all runs: {', '.join(parts)}. Not a comparison "
-        "of methods: they ran beside other work, more or less of it, and on two machines."
-    )

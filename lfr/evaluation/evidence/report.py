@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
 
-from lfr.evaluation.evidence.claims import disagreements, standings, time_of_runs
+from lfr.evaluation.evidence.claims import disagreements, standings
+from lfr.evaluation.evidence.cost import hours, time_of_runs, time_of_tables
 from lfr.evaluation.evidence.curves import LEVELS
 from lfr.evaluation.evidence.figures import FIGURES, others
 from lfr.evaluation.evidence.findings import findings, reasons, short_table
@@ -25,11 +25,6 @@ from lfr.evaluation.evidence.tables import (
 from lfr.evaluation.evidence.targets import targets_table
 from lfr.evaluation.tables import stage_table
 
-# stages that the paper's tables can do without
-EXTRA = (
-    "zero_shot", "reference", "plain_demonstrations", "plain", "learn_plain", "imitate_plain",
-    "plain_parts",
-)  # fmt: skip
 TITLES = {
     "figure3": "Figure 3: scenario 1, the paper's methods",
     "figure4": "Figure 4: scenario 2, the paper's methods",
@@ -208,10 +203,10 @@ def _stages(evidence: Evidence) -> str:
         return "No stage has been run yet."
     missing = [stage for stage in STAGES if stage not in evidence.stages]
     lines = [
-        f"All stages together took {_hours(evidence, ()):.2f} hours by the clock, one after the "
-        f"other; what Tables I to III need took {_hours(evidence, EXTRA):.2f}. The main job's "
-        "demonstrations and datasets are not counted. A stage or a run that was killed counts from "
-        "where it went on, and a stage that was run again only what it had not finished before.",
+        f"All stages together took {hours(evidence):.2f} hours by the clock, one after the other; "
+        f"{time_of_tables(evidence)}. The main job's demonstrations and datasets are not counted. "
+        "A stage or a run that was killed counts from where it went on, and a stage that was run "
+        "again only what it had not finished before.",
         *([f"Nothing is there yet of: {', '.join(missing)}."] if missing else []),
         time_of_runs(evidence),
     ]
@@ -221,16 +216,6 @@ def _stages(evidence: Evidence) -> str:
         "differed from what was committed."
     )
     return "\n\n".join([" ".join(lines), about, stage_table(evidence.stages)]).rstrip()
-
-
-def _hours(evidence: Evidence, without: Iterable[str]) -> float:
-    """Of all stages, or without those of questions and of methods that are in no table."""
-    tables = {f"{name}-{method}" for table in TABLES.values()
-              for name in table.transfers for method in table.methods}  # fmt: skip
-    return sum(
-        run.seconds for stage, keys in evidence.stages.items() for key, run in keys.items()
-        if not without or (stage not in without and (stage != "learn" or key in tables))
-    ) / 3600  # fmt: skip
 
 
 def _demoted(text: str) -> str:
