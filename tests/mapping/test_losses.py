@@ -33,6 +33,7 @@ def l1(a: torch.Tensor, b: torch.Tensor) -> float:
     return float(np.abs(a.detach().numpy() - b.detach().numpy()).sum(axis=1).mean())
 
 
+@torch.no_grad()
 def test_losses_in_numpy() -> None:
     g, f, k_x, k_y = pair()
     to_y, to_x = g.translate(k_x), f.translate(k_y)
