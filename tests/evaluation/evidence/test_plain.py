@@ -115,8 +115,10 @@ def test_what_rests_on_our_choices_is_said_first(paper: Path) -> None:
         learned(paper, transfer, "lfr", {"sparse": ours})
         learned(paper, transfer, "lfr", {"sparse": plain}, stage="learn_plain")
     learned(paper, CAN, "ap", {"sparse": [40, 50], "dense": [30, 32]}, stage="learn_plain")
+    imitated(paper, CAN, [80, 60, 100], stage="imitate_plain")
     text = findings(read_evidence(paper))
     assert "Pick-Place, Sawyer: LfR ends at 25.0 sparse (the paper's 82.5)" in text
+    assert "BC+RNN ends at 80.0 (the paper's 16.3)" in text
     assert "AP ends at 45.0 sparse and 31.0 dense (the paper's 10.6)" in text
     assert "On 1 of 2 of these tasks LfR's rates with all choices depend on them." in text
 
