@@ -131,7 +131,7 @@ and learning. Every final policy is judged at a fixed number of environment step
 stock robosuite. Nothing was trained on these starts, and no value was chosen by them; that
 something had to be mended was seen on them more than once (docs/evidence.md, Tuning). Success
 is robosuite's own check, at any step within the horizon. All environment steps count, the warm-up
-included. Seeds so far: {", ".join(map(str, seeds)) or "none"}.
+included. Seeds: {", ".join(map(str, seeds)) or "none"}.
 
 Intervals are of 95 %. The interquartile mean (IQM) leaves out the lowest and the highest quarter
 of the seeds, of three none; its interval is a stratified bootstrap over seeds, and over the
