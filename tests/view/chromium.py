@@ -9,6 +9,7 @@ import asyncio
 import base64
 import os
 import shutil
+import signal
 import subprocess
 import time
 from collections.abc import Callable
@@ -62,11 +63,14 @@ def look(
     """
     window = f"--window-size={size[0]},{size[1]}"
     command = [program, *FLAGS, window, f"--user-data-dir={profile}", url]
-    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    # A group of its own: the program may be a script that starts the browser and waits.
+    process = subprocess.Popen(
+        command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
+    )
     try:
         return asyncio.run(_look(_port(profile), until, time.monotonic() + patience))
     finally:
-        process.terminate()
+        os.killpg(process.pid, signal.SIGTERM)
         process.wait()
 
 
