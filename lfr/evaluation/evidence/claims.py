@@ -53,7 +53,7 @@ def _unmeasured(place: Standing, transfer: str, reward: str) -> str:
 def _named(others: Mapping[str, Rival], ours: Interval) -> str:
     """With LfR's of the same seeds, where that is another."""
     return ", ".join(
-        f"{name} {percent_interval(one.theirs)}"
+        f"{name}{one.mark} {percent_interval(one.theirs)}"
         + (f" (LfR's of these seeds {percent_interval(one.ours)})" if one.ours != ours else "")
         for name, one in others.items()
     )

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from lfr.evaluation.evidence.aggregate import Seeds, bootstrap, difference
+from lfr.evaluation.evidence.aggregate import Place, Seeds, bootstrap, difference
 from lfr.evaluation.evidence.names import method_label
 from lfr.evaluation.evidence.pairs import no_learning
-from lfr.evaluation.evidence.plain import plain_sentence, reason_for_ap, reason_for_imitation
+from lfr.evaluation.evidence.plain import reason_for_ap, reason_for_imitation
 from lfr.evaluation.evidence.published import TASKS
 from lfr.evaluation.evidence.records import Evidence, counts
 from lfr.evaluation.evidence.reference import reference_sentence
@@ -32,6 +32,11 @@ WITHOUT_MAPPING = {
     method_label("shared_vae"): "one VAE for both arms, so nothing to map, fine-tuned",
 }
 """Who knows the source's demonstrations and maps nothing: label -> what they are."""
+IN_PLACE_OF_G = {
+    "linear": "A closed-form linear map in G's place",
+    "no_cycle": "G without the cycle loss",
+}
+"""Links that map otherwise than G does."""
 
 
 def short_table(evidence: Evidence) -> str:
@@ -59,28 +64,57 @@ def findings(evidence: Evidence) -> str:
     """One item for each question that the evidence can answer so far."""
     items = [_rival(evidence, label, what) for label, what in WITHOUT_MAPPING.items()]
     items += [
-        _learning(evidence), plain_sentence(evidence), _generator(evidence), _linear(evidence),
+        _learning(evidence), _generator(evidence),
+        *(_in_place_of_g(evidence, link, what) for link, what in IN_PLACE_OF_G.items()),
         _between_seeds(evidence),
     ]  # fmt: skip
     if evidence.reference:
-        items.append(f"**Is this SAC a fair baseline?** {reference_sentence(evidence.reference)}")
+        items.append(
+            f"**Is this SAC a fair baseline?** {reference_sentence(evidence.reference)} That says "
+            "nothing of the sparse reward."
+        )
     return "\n".join(f"- {item}" for item in items if item)
+
+
+def verdict(evidence: Evidence) -> str | None:
+    """On how many tasks these results cannot show what a mapping is worth; None without identity.
+
+    A task counts where `identity` is level with LfR or above it under every reward measured.
+    """
+    label, places = no_learning("identity"), []
+    for transfer in TASKS:
+        found = [standing(evidence, transfer, reward) for reward in evidence.rewards()]
+        beside = [place for place in found if place and label in place.in_the_way | place.below]
+        if beside:
+            places.append(all(label in place.in_the_way for place in beside))
+    if not places:
+        return None
+    return (
+        f"**On {sum(places)} of {len(places)} task{'s' * (len(places) > 1)} LfR's interquartile "
+        "mean cannot be told from that of `identity`**, the source's policy carried out by the "
+        "target, without mapping and without learning: there these results do not show what a "
+        "mapping between the arms is worth."
+    )
 
 
 def _rival(evidence: Evidence, label: str, what: str) -> str | None:
     """Whether it is below LfR, over all tasks and rewards; None without a comparison."""
     points: list[float] = []
     places: dict[str, list[str]] = {"level": [], "above": [], "below": []}
+    behind, tasks = [], set()
     for transfer, task in TASKS.items():
         for reward in evidence.rewards():
             place = standing(evidence, transfer, reward)
             for name, named in places.items():
                 one: Rival | None = getattr(place, name).get(label) if place else None
                 if one:
+                    tasks.add(task)
                     theirs, ours = one.theirs.value, one.ours.value
                     points.append(100 * (theirs - ours))
                     named.append(f"{task}, {reward} ({percent(theirs)} against LfR's "
                                  f"{percent(ours)})")  # fmt: skip
+                    if one.mark:
+                        behind.append(f"{task}, {reward} ({points_interval(one.lead)})")
     if not points:
         return None
     good, every = len(places["level"]) + len(places["above"]), len(points)
@@ -90,10 +124,13 @@ def _rival(evidence: Evidence, label: str, what: str) -> str | None:
     share = f"in {good or every} of {every}"
     parts = [
         f"**{label[0].upper()}{label[1:]} {verdict} {share} "
-        f"comparison{'s' * (every > 1)} of task and reward**: {what}. "
+        f"comparison{'s' * (every > 1)}** ({len(tasks)} task{'s' * (len(tasks) > 1)}, LfR under "
+        f"each reward): {what}. "
         f"Its interquartile mean is {_points(min(points), max(points))} LfR's.",
         _difference(evidence, label),
     ]
+    if behind:
+        parts.append(f"Yet by the means LfR is ahead on: {'; '.join(behind)}.")
     for said, named in (("Better: ", places["above"]), ("Worse: ", places["below"])):
         parts += [f"{said}{'; '.join(named)}."] if named and good else []
     return " ".join(parts)
@@ -148,22 +185,27 @@ def _generator(evidence: Evidence) -> str | None:
     )
 
 
-def _linear(evidence: Evidence) -> str | None:
-    """A closed form in G's place, before learning, over the seeds that both have."""
-    parts = []
+def _in_place_of_g(evidence: Evidence, link: str, what: str) -> str | None:
+    """Another map, before learning, over the seeds that it and G have."""
+    parts: list[str] = []
+    places: list[Place] = []
     for transfer, task in TASKS.items():
         found = evidence.links.get(transfer)
-        if not found or not {"linear", "mapped"} <= set(found.links):
+        if not found or not {link, "mapped"} <= set(found.links):
             continue
-        shared = set(found.seeds["linear"]) & set(found.seeds["mapped"])
+        shared = set(found.seeds[link]) & set(found.seeds["mapped"])
         if shared:
-            linear, same = (found.only(link, shared).links[link] for link in ("linear", "mapped"))
-            parts.append(f"{task}: {_cell(linear)} linear, {_cell(same)} with G")
+            other, g = (found.only(name, shared).links[name] for name in (link, "mapped"))
+            parts.append(f"{task}: {_cell(other)}, G {_cell(g)}")
+            places.append(bootstrap([other]).beside(bootstrap([g])))
     if not parts:
         return None
+    words: dict[Place, str] = {"above": "above", "level": "not told apart from", "below": "below"}
+    said = [f"{word} G on {places.count(one)}" for one, word in words.items() if one in places]
     return (
-        "**A closed-form linear map in G's place**, before any learning (links `linear` and "
-        f"`mapped`, of the seeds that both have): {'; '.join(parts)}."
+        f"**{what}**, before any learning (links `{link}` and `mapped`, of the seeds that both "
+        f"have), is {', '.join(said)} of {len(places)} task{'s' * (len(places) > 1)}: "
+        f"{'; '.join(parts)}."
     )
 
 
@@ -195,19 +237,23 @@ def reasons(evidence: Evidence, methods: Iterable[str]) -> str:
     """Why methods differ from the paper's figures, as far as something here was measured."""
     items = []
     starts = [
-        f"{task} {percent(float(found.rates.mean()))}"
+        f"{task}: {percent(float(found.rates.mean()))}"
         for transfer, task in TASKS.items()
         if (found := _link(evidence, transfer, "identity"))
     ]
     if "ap" in methods and starts:
         items.append(
             "- AP begins as the link `identity`, whose mean success before any learning is "
-            f"{', '.join(starts)}: under one Cartesian controller and one observation layout for "
-            "both arms. The paper does not say where its AP begins."
+            f"{'; '.join(starts)}. Both arms have one Cartesian controller and one observation "
+            "layout here. The paper does not say where its AP begins."
         )
         items += filter(None, [reason_for_ap(evidence)])
     if "bc_rnn" in methods:
         items += filter(None, [reason_for_imitation(evidence)])
     if "sac" in methods and evidence.reference:
-        items.append("- SAC: see its curve beside robosuite-benchmark's, above.")
+        items.append(
+            "- SAC: with the dense reward its curve stands beside robosuite-benchmark's, above. "
+            "With the sparse one nothing was measured that would explain the difference; which "
+            "reward and how many steps the paper's SAC had, it does not say."
+        )
     return "\n".join(items)

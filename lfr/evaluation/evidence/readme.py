@@ -7,12 +7,13 @@ from pathlib import Path
 
 from lfr.artifacts import write_whole
 from lfr.errors import DataError
-from lfr.evaluation.evidence.plain import plain_sentence
+from lfr.evaluation.evidence.findings import verdict
+from lfr.evaluation.evidence.plain import plain_summary
 from lfr.evaluation.evidence.published import PUBLISHED, TASKS
-from lfr.evaluation.evidence.records import Evidence, read_evidence
+from lfr.evaluation.evidence.records import Evidence, first_starts, read_evidence
 from lfr.evaluation.evidence.summary import OURS, Summary, summarise
 from lfr.evaluation.evidence.tables import DASH, percent, percent_interval
-from lfr.evaluation.evidence.targets import TARGETS, expected_rivals, standing
+from lfr.evaluation.evidence.targets import MARK, TARGETS, expected_rivals, standing
 from lfr.evaluation.records import RESULTS
 from lfr.evaluation.tables import markdown
 
@@ -33,15 +34,18 @@ def evidence_block(results: Path = RESULTS) -> str:
     return "\n\n".join([
         f"![Final success of every method on the four transfers]({folder}/headline.svg)",
         _table(evidence).strip(),
-        "Percent of held-out episodes over seeds, each a whole repetition from the split of the "
-        "demonstrations on: mean, and interquartile mean (IQM) with its bootstrap interval of "
-        "95 %. Goal: the success that this project set out to reach. Zero-shot: before learning. "
-        "Robosuite: the final policy in stock robosuite, on the first of the starts only. Not "
-        "below: methods whose intervals overlap LfR's or lie above it. BC+RNN: a recurrent policy "
-        "cloned from the source's demonstrations. AP: the source's policy, fine-tuned on the "
-        "target without a mapping. Identity: the same as it is, no learning. Recoded: its actions "
-        "through the target's VAE. Shared VAE: one latent space for both arms.",
-        *filter(None, [plain_sentence(evidence)]),
+        "Percent of held-out episodes over seeds, each of which repeats everything after the "
+        "recording: mean, and interquartile mean (IQM) with its bootstrap interval of 95 %. Goal: "
+        "the success that this project set out to reach. Zero-shot: before learning. Robosuite: "
+        "the final policy in robosuite's own environments (Sawyer's contact with its base "
+        f"excluded), on the first {first_starts(evidence)} starts only. Not below: methods whose "
+        f"intervals overlap LfR's or lie above it; {MARK} marks those whose mean is lower all the "
+        "same, by the interval of the difference. BC+RNN: a recurrent policy cloned from the "
+        "source's demonstrations. AP: the source's policy, fine-tuned on the target without a "
+        "mapping. Identity: the source's policy on the target, without mapping or learning. "
+        "Recoded: its actions through the target's VAE. Shared VAE: one latent space for both "
+        "arms.",
+        *filter(None, [verdict(evidence), (plain_summary(evidence) or "").strip()]),
         f"Tables I to III, curves and questions: [report.md]({folder}/report.md).",
     ])  # fmt: skip
 
@@ -64,7 +68,7 @@ def _ours(evidence: Evidence, transfer: str, reward: str) -> list[object]:
     if found is None or place is None:
         return [DASH, DASH, 0, DASH, DASH, DASH]
     known = {**place.in_the_way, **place.below}
-    others = ", ".join(place.in_the_way) or "none"
+    others = place.named or "none"
     if not known.keys() >= set(expected_rivals(transfer, reward)):
         others = f"so far: {others}" if known else DASH
     return [percent(found.mean.value), percent_interval(found.iqm), len(found.seeds),

@@ -144,6 +144,12 @@ def of_seeds(runs: Sequence[SeedRun], seeds: Iterable[int]) -> list[SeedRun]:
     return [run for run in runs if run.seed in wanted]
 
 
+def first_starts(evidence: Evidence) -> str:
+    """On how many of the first starts robosuite judged: ``25``."""
+    judged = {run.stock_episodes for run in evidence.runs if run.stock_episodes is not None}
+    return " or ".join(map(str, sorted(judged))) or "0"
+
+
 def made_again(evidence: Evidence, transfer: str) -> bool:
     """Whether runs that begin with the same models, by their seed, began with different ones."""
     found: dict[int, set[str]] = {}

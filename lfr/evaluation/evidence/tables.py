@@ -29,7 +29,8 @@ def percent_interval(found: Interval) -> str:
 
 def points_interval(found: Interval) -> str:
     """``+1.0 [+0.4, +1.6]``"""
-    value, low, high = (f"{100 * end:+.1f}" for end in (found.value, found.low, found.high))
+    ends = (round(100 * end, 1) + 0.0 for end in (found.value, found.low, found.high))  # no -0.0
+    value, low, high = (f"{end:+.1f}" for end in ends)
     return f"{value} [{low}, {high}]"
 
 

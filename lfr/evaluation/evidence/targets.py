@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lfr.evaluation.evidence.aggregate import Interval, bootstrap
-from lfr.evaluation.evidence.curves import side_by_side
+from lfr.evaluation.evidence.aggregate import Interval, bootstrap, difference
 from lfr.evaluation.evidence.names import method_label
 from lfr.evaluation.evidence.pairs import NO_LEARNING, no_learning, pairs
 from lfr.evaluation.evidence.published import (
@@ -27,6 +26,7 @@ QUESTIONS = ("spirl", "spirl_no_prior", "shared_vae", "wrong_task")
 QUESTIONED = {(transfer, "sparse") for transfer in SCENARIO_2}
 EXACT = 1e-9  # a mean of hundredths is not exact
 OVERSHOOT = 100  # environment steps: a run ends with the skills under way in each simulation
+MARK = "†"  # not below LfR by interquartile means, yet LfR's mean is higher by its interval
 
 
 @dataclass(frozen=True)
@@ -47,10 +47,22 @@ TARGETS = {
 
 @dataclass(frozen=True)
 class Rival:
-    """Its interval of the interquartile mean, and LfR's of the seeds that both have."""
+    """Somebody beside LfR, over the seeds that both have.
+
+    Attributes:
+        theirs, ours: intervals of the interquartile means.
+        lead: LfR's mean less theirs, with its interval.
+    """
 
     theirs: Interval
     ours: Interval
+    lead: Interval
+
+    @property
+    def mark(self) -> str:
+        """`MARK` where it is not below LfR and yet LfR's mean is higher by its interval: of five
+        seeds the interquartile mean does not see a single one that fails."""
+        return MARK if self.lead.low > 0 and self.theirs.beside(self.ours) != "below" else ""
 
 
 @dataclass(frozen=True)
@@ -73,6 +85,11 @@ class Standing:
         """Those that keep LfR from being above everybody."""
         return {**self.above, **self.level}
 
+    @property
+    def named(self) -> str:
+        """Those in the way, with `MARK` where it applies; empty if nobody is."""
+        return ", ".join(f"{name}{rival.mark}" for name, rival in self.in_the_way.items())
+
 
 def standing(evidence: Evidence, transfer: str, reward: str) -> Standing | None:
     """Where LfR stands; None before it has a run.
@@ -88,7 +105,8 @@ def standing(evidence: Evidence, transfer: str, reward: str) -> Standing | None:
     places: dict[str, dict[str, Rival]] = {"below": {}, "level": {}, "above": {}}
     for name, pair in pairs(evidence, transfer, reward).items():
         if name not in own:
-            rival = Rival(bootstrap([pair.theirs]), bootstrap([pair.ours]))
+            lead = difference([pair.ours], [pair.theirs])
+            rival = Rival(bootstrap([pair.theirs]), bootstrap([pair.ours]), lead)
             places[rival.theirs.beside(rival.ours)][name] = rival
     return Standing(bootstrap([counts(runs)]), **places)
 
@@ -103,17 +121,19 @@ def steps_to_goal(runs: list[SeedRun], goal: float) -> float | None:
     """Environment steps until the mean over seeds is at the goal; None if it never is.
 
     0 where the held-out rates before learning are there; otherwise the first running evaluation,
-    of a few starts per seed, whose mean is.
+    of a few starts per seed, whose mean is. Seeds are evaluated a few steps apart, by the skills
+    under way: the steps are those of the last one.
     """
     before = [run.zero_shot for run in runs if run.zero_shot is not None]
     if len(before) == len(runs) and np.mean(before) >= goal - EXACT:
         return 0.0
     curves = [run.curve for run in runs if run.curve]
-    if not curves:
-        return None
-    axis, rates = side_by_side(curves)
-    there = axis[1:][rates.mean(axis=-1)[1:] >= goal - EXACT]  # without the point before learning
-    return float(there[0]) if there.size else None
+    steps = zip(*(curve.env_steps[1:] for curve in curves), strict=False)
+    rates = zip(*(curve.success[1:] for curve in curves), strict=False)
+    for at, found in zip(steps, rates, strict=True):
+        if np.mean(found) >= goal - EXACT:
+            return float(max(at))
+    return None
 
 
 def targets_table(evidence: Evidence) -> str:
@@ -137,13 +157,12 @@ def _reached(evidence: Evidence, transfer: str, reward: str, target: Target) -> 
     there = reached(ours, target)
     steps = steps_to_goal(evidence.of(transfer, OURS, reward), target.success)
     in_time = there and in_budget(ours, steps, target)
-    rivals = ", ".join(place.in_the_way)
     known = {**place.in_the_way, **place.below}
     whole = known.keys() >= set(expected_rivals(transfer, reward))
     above = "no" if place.in_the_way else "yes" if whole else "so far" if known else DASH
     return [percent(ours.mean.value), percent_interval(ours.iqm), len(ours.seeds), _yes(there),
             target.env_steps, "never" if steps is None else f"{steps:.0f}", _yes(in_time),
-            above, rivals or DASH]  # fmt: skip
+            above, place.named or DASH]  # fmt: skip
 
 
 def reached(ours: Summary, target: Target) -> bool:

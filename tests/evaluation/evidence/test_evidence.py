@@ -363,11 +363,11 @@ def test_the_report_says_plainly_who_needs_no_mapping(paper: Path) -> None:
     text = findings(read_evidence(paper))
     # sparse: 98.0 of five; dense: 82 of two, far below identity's 99
     level = "is not below LfR, by overlapping or higher intervals, in"
-    assert f"**Identity (no learning) {level} 2 of 2 comparisons" in text
+    assert f"**Identity (no learning) {level} 2 of 2 comparisons** (1 task, LfR under" in text
     assert "Better: Lift, Panda, dense (99.0 against LfR's 82.0)" in text
-    assert f"**AP {level} 1 of 1 comparison of" in text
+    assert f"**AP {level} 1 of 1 comparison** (" in text
     assert "29.0 points below LfR's" in text
-    assert "**BC+RNN does worse than LfR in 2 of 2 comparisons of task and reward**" in text
+    assert "**BC+RNN does worse than LfR in 2 of 2 comparisons** (" in text
     assert "shared VAE" not in text
     assert "Lift, Panda, sparse: 90.0 to 98.0" in text
     zero_shot(paper, LIFT, {"identity": [3, 5]})
@@ -405,7 +405,7 @@ def test_who_shares_no_seed_with_lfr_is_not_compared(tmp_path: Path) -> None:
 
 def test_models_that_were_trained_twice_are_named(paper: Path) -> None:
     text = report(read_evidence(paper))
-    assert "trained once more" not in text
+    assert "trained twice" not in text
     for method, models in (("lfr", "aa"), ("ap", "aa"), ("only_lift", "cc")):
         learned(paper, CAN, method, {"sparse": [90, 91]})
         file = paper / "learn" / f"{CAN}-{method}.json"
@@ -413,13 +413,13 @@ def test_models_that_were_trained_twice_are_named(paper: Path) -> None:
         for run in content["runs"]:
             run["models"] = models
         write_json(file, content)
-    assert "trained once more" not in report(read_evidence(paper))  # a variant has its own
+    assert "trained twice" not in report(read_evidence(paper))  # a variant has its own
     file = paper / "learn" / f"{CAN}-ap.json"
     content = read_json(file)
     content["runs"][1]["models"] = "bb"
     write_json(file, content)
     text = " ".join(report(read_evidence(paper)).split())
-    assert "the models of Pick-Place, Sawyer were trained once more" in text
+    assert "The models of Pick-Place, Sawyer were trained twice" in text
 
 
 def test_a_goal_that_is_just_met_is_met(tmp_path: Path) -> None:
@@ -445,8 +445,13 @@ def test_a_linear_map_stands_beside_g_of_its_own_seeds(tmp_path: Path) -> None:
     (line,) = findings(read_evidence(tmp_path)).splitlines()
     assert "linear map in G's place" in line
     assert "Pick-Place, Sawyer: 99.0 [" in line
-    assert "linear, 85.0 [" in line
-    assert line.endswith("with G.")
+    assert ", G 85.0 [" in line
+    assert "is above G on 1 of 1 task: " in line
+    zero_shot(tmp_path, LIFT, {"mapped": [80, 90], "linear": [85, 86], "no_cycle": [3]})
+    linear, cycle = findings(read_evidence(tmp_path)).splitlines()
+    assert "is above G on 1, not told apart from G on 1 of 2 tasks: " in linear
+    assert "without the cycle loss**" in cycle
+    assert "is below G on 1 of 1 task: Lift, Panda: 3.0 [" in cycle
 
 
 def test_a_figure_is_shown_once_it_compares_something(paper: Path) -> None:
