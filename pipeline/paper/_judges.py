@@ -38,7 +38,7 @@ def agreement(files: Iterable[Path]) -> dict[str, dict[str, Any]]:
         files: finished jobs, as `lfr.jobs.run_jobs` keeps them; those that judge no saved policy
             are passed over.
     """
-    judged: dict[str, dict[str, dict[str, Outcomes]]] = {}
+    judged: dict[str, dict[tuple[str, str], dict[str, Outcomes]]] = {}
     for file in files:
         job = read_json(file)
         spec = job.get("spec")
@@ -47,7 +47,8 @@ def agreement(files: Iterable[Path]) -> dict[str, dict[str, Any]]:
         policy = spec["policy"].get("policy")
         if policy:
             stage = "/".join(Path(policy).parts[1:3])
-            outcomes = judged.setdefault(stage, {}).setdefault(policy, {})
+            of = policy, spec["robot"]  # imitation is judged on the source's own arm too
+            outcomes = judged.setdefault(stage, {}).setdefault(of, {})
             outcomes.setdefault(spec["judge"], {}).update(
                 {one["seed"]: one["success"] for one in job["result"]}
             )

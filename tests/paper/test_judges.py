@@ -8,11 +8,18 @@ from lfr.artifacts import write_json
 from pipeline.paper._judges import agreement
 
 
-def job(folder: Path, name: str, judge: str, outcomes: dict[int, bool], stage: str) -> Path:
+def job(
+    folder: Path,
+    name: str,
+    judge: str,
+    outcomes: dict[int, bool],
+    stage: str,
+    robot: str = "panda",
+) -> Path:
     policy = f"work/{stage}/folder/{name}/policy"
-    spec = {"policy": {"policy": policy}, "robot": "panda", "task": "stack", "judge": judge}
+    spec = {"policy": {"policy": policy}, "robot": robot, "task": "stack", "judge": judge}
     result = [{"seed": seed, "success": won, "steps": 9} for seed, won in outcomes.items()]
-    file = folder / f"{name}-{judge}-{min(outcomes)}.json"
+    file = folder / f"{name}-{robot}-{judge}-{min(outcomes)}.json"
     write_json(file, {"function": "run_part", "spec": spec, "result": result})
     return file
 
@@ -26,6 +33,7 @@ def test_judges_are_compared_on_the_same_starts(tmp_path: Path) -> None:
         job(tmp_path, "b", "engine", {1: True, 2: True}, stage),
         job(tmp_path, "b", "robosuite", {1: False, 2: True}, stage),
         job(tmp_path, "initial", "engine", {1: True}, stage),  # which robosuite never judged
+        job(tmp_path, "a", "engine", {1: False, 2: False}, stage, "sawyer"),  # nor on this arm
         job(tmp_path, "c", "engine", {1: True}, "paper-learn/lift-sac"),
     ]
     learned = tmp_path / "learned.json"
