@@ -88,7 +88,7 @@ def test_the_report_tells_a_found_mapping_from_none(
     assert found["cycle_x"] < 0.3 * found["spread_x"]
     k_x, k_y = paired(held_out, held_out.observations)
     expected = (g.translate(k_x) - k_y).abs().sum(-1).mean()
-    assert found["regression_g"] == pytest.approx(float(expected), rel=1e-5)
+    assert found["regression_g"] == pytest.approx(expected.item(), rel=1e-5)
     new = new_task_report(tasks[0].prior_x, states(100, 8), g, f)
     assert new["cycle_x"] == pytest.approx(found["cycle_x"], rel=1e-6)
 
