@@ -111,7 +111,6 @@ def test_every_choice_beyond_the_paper_is_set_back(monkeypatch: pytest.MonkeyPat
         if setting != float(value):
             kept.append(name)
     assert kept == ["record.attempt.linger", "skills.vae.learning_rate"]
-    assert found["mapping"].posterior_share == 0.0
     assert found["mapping"].symmetry.copies == 0
 
 

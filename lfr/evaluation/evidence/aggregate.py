@@ -122,6 +122,13 @@ def difference(
 
     Both are resampled as in `bootstrap`, each by itself: seeds within a task, and their episodes.
     """
+    return _difference(tuple(x), tuple(y), resamples, confidence)
+
+
+@lru_cache(maxsize=4096)
+def _difference(
+    x: tuple[Seeds, ...], y: tuple[Seeds, ...], resamples: int, confidence: float
+) -> Interval:
     generator = np.random.default_rng(GENERATOR_SEED)
     (mine, drawn), (other, also) = (
         (

@@ -7,8 +7,9 @@ from typing import NamedTuple
 
 from lfr.evaluation.evidence.aggregate import Place, bootstrap
 from lfr.evaluation.evidence.names import method_label
+from lfr.evaluation.evidence.pairs import method_pair
 from lfr.evaluation.evidence.published import ABLATIONS, BASELINES, TASKS
-from lfr.evaluation.evidence.records import Evidence, counts, of_seeds
+from lfr.evaluation.evidence.records import Evidence
 from lfr.evaluation.evidence.summary import OURS, summarise
 from lfr.evaluation.evidence.tables import DASH, percent
 from lfr.evaluation.tables import markdown
@@ -44,11 +45,9 @@ def _against(evidence: Evidence, first: str, other: str) -> str | None:
     found: list[Place] = []
     for transfer in TASKS:
         for reward in evidence.rewards():
-            mine, theirs = (evidence.of(transfer, method, reward) for method in (first, other))
-            shared = {run.seed for run in mine} & {run.seed for run in theirs}
-            if shared:
-                ours, its = (bootstrap([counts(of_seeds(runs, shared))]) for runs in (mine, theirs))
-                found.append(ours.beside(its))
+            pair = method_pair(evidence, transfer, other, reward, beside=first)
+            if pair:
+                found.append(bootstrap([pair.ours]).beside(bootstrap([pair.theirs])))
     if not found:
         return None
     parts = [f"{word} in {found.count(place)}" for place, word in WORDS.items() if place in found]

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 from lfr.evaluation.evidence.aggregate import Place, Seeds, bootstrap, difference
 from lfr.evaluation.evidence.names import method_label
 from lfr.evaluation.evidence.pairs import no_learning
-from lfr.evaluation.evidence.plain import reason_for_ap, reason_for_imitation
 from lfr.evaluation.evidence.published import TASKS
 from lfr.evaluation.evidence.records import Evidence, counts
 from lfr.evaluation.evidence.reference import reference_sentence
@@ -19,7 +16,7 @@ from lfr.evaluation.evidence.tables import (
     percent_interval,
     points_interval,
 )
-from lfr.evaluation.evidence.targets import Rival, standing
+from lfr.evaluation.evidence.targets import standing
 from lfr.evaluation.tables import markdown
 
 WITHOUT_MAPPING = {
@@ -53,7 +50,7 @@ def short_table(evidence: Evidence) -> str:
     for label, link in (("LfR's start, no learning", "mapped"),
                         (no_learning("identity"), "identity"),
                         (no_learning("shared_vae"), "shared_vae")):  # fmt: skip
-        rows.append([label, *(_cell(_link(evidence, transfer, link)) for transfer in TASKS)])
+        rows.append([label, *(_cell(evidence.link(transfer, link)) for transfer in TASKS)])
     measured = [row for row in rows if any(cell != DASH for cell in row[1:])]
     if not measured:
         return "Neither learning nor the zero-shot links have been run yet.\n"
@@ -99,41 +96,40 @@ def verdict(evidence: Evidence) -> str | None:
 
 def _rival(evidence: Evidence, label: str, what: str) -> str | None:
     """Whether it is below LfR, over all tasks and rewards; None without a comparison."""
-    points: list[float] = []
-    places: dict[str, list[str]] = {"level": [], "above": [], "below": []}
-    behind, tasks = [], set()
-    for transfer, task in TASKS.items():
-        for reward in evidence.rewards():
-            place = standing(evidence, transfer, reward)
-            for name, named in places.items():
-                one: Rival | None = getattr(place, name).get(label) if place else None
-                if one:
-                    tasks.add(task)
-                    theirs, ours = one.theirs.value, one.ours.value
-                    points.append(100 * (theirs - ours))
-                    named.append(f"{task}, {reward} ({percent(theirs)} against LfR's "
-                                 f"{percent(ours)})")  # fmt: skip
-                    if one.mark:
-                        behind.append(f"{task}, {reward} ({points_interval(one.lead)})")
-    if not points:
-        return None
-    good, every = len(places["level"]) + len(places["above"]), len(points)
-    verdict = (
-        "is not below LfR, by overlapping or higher intervals," if good else "does worse than LfR"
-    )
-    share = f"in {good or every} of {every}"
-    parts = [
-        f"**{label[0].upper()}{label[1:]} {verdict} {share} "
-        f"comparison{'s' * (every > 1)}** ({len(tasks)} task{'s' * (len(tasks) > 1)}, LfR under "
-        f"each reward): {what}. "
-        f"Its interquartile mean is {_points(min(points), max(points))} LfR's.",
-        _difference(evidence, label),
+    found = [
+        (task, reward, rival)
+        for transfer, task in TASKS.items()
+        for reward in evidence.rewards()
+        if (place := standing(evidence, transfer, reward))
+        and (rival := {**place.in_the_way, **place.below}.get(label))
     ]
-    if behind:
-        parts.append(f"Yet by the means LfR is ahead on: {'; '.join(behind)}.")
-    for said, named in (("Better: ", places["above"]), ("Worse: ", places["below"])):
-        parts += [f"{said}{'; '.join(named)}."] if named and good else []
-    return " ".join(parts)
+    if not found:
+        return None
+    places: dict[Place, list[str]] = {"below": [], "level": [], "above": []}
+    for task, reward, rival in found:
+        theirs, ours = percent(rival.theirs.value), percent(rival.ours.value)
+        places[rival.place].append(f"{task}, {reward} ({theirs} against LfR's {ours})")
+    every, worse, tasks = len(found), len(places["below"]), len({task for task, *_ in found})
+    said, share = (
+        ("does worse than LfR", every)
+        if worse == every
+        else ("is not below LfR, by overlapping or higher intervals,", every - worse)
+    )
+    points = [100 * (rival.theirs.value - rival.ours.value) for *_, rival in found]
+    ahead = [f"{task}, {reward} ({points_interval(rival.lead)})"
+             for task, reward, rival in found if rival.mark]  # fmt: skip
+    listed = {
+        "Yet by the means LfR is ahead on": ahead,
+        "Better": places["above"],
+        "Worse": places["below"] if worse < every else [],
+    }
+    return " ".join([
+        f"**{label[0].upper()}{label[1:]} {said} in {share} of {every} "
+        f"comparison{'s' * (every > 1)}** ({tasks} task{'s' * (tasks > 1)}, LfR under each "
+        f"reward): {what}. Its interquartile mean is {_points(min(points), max(points))} LfR's.",
+        _difference(evidence, label),
+        *(f"{title}: {'; '.join(named)}." for title, named in listed.items() if named),
+    ])  # fmt: skip
 
 
 def _difference(evidence: Evidence, label: str) -> str:
@@ -174,7 +170,7 @@ def _generator(evidence: Evidence) -> str | None:
     """With G and without it, before learning."""
     parts = []
     for transfer, task in TASKS.items():
-        with_g, without = (_link(evidence, transfer, link) for link in ("mapped", "no_generator"))
+        with_g, without = (evidence.link(transfer, link) for link in ("mapped", "no_generator"))
         if with_g and without:
             parts.append(f"{task}: {_cell(without)} without, {_cell(with_g)} with")
     if not parts:
@@ -214,7 +210,7 @@ def _between_seeds(evidence: Evidence) -> str | None:
     parts = [
         f"{task}: {_cell(found)}"
         for transfer, task in TASKS.items()
-        if (found := _link(evidence, transfer, "between_seeds"))
+        if (found := evidence.link(transfer, "between_seeds"))
     ]
     if not parts:
         return None
@@ -224,36 +220,5 @@ def _between_seeds(evidence: Evidence) -> str | None:
     )
 
 
-def _link(evidence: Evidence, transfer: str, link: str) -> Seeds | None:
-    found = evidence.links.get(transfer)
-    return found.links.get(link) if found else None
-
-
 def _cell(found: Seeds | None) -> str:
     return percent_interval(bootstrap([found])) if found else DASH
-
-
-def reasons(evidence: Evidence, methods: Iterable[str]) -> str:
-    """Why methods differ from the paper's figures, as far as something here was measured."""
-    items = []
-    starts = [
-        f"{task}: {percent(float(found.rates.mean()))}"
-        for transfer, task in TASKS.items()
-        if (found := _link(evidence, transfer, "identity"))
-    ]
-    if "ap" in methods and starts:
-        items.append(
-            "- AP begins as the link `identity`, whose mean success before any learning is "
-            f"{'; '.join(starts)}. Both arms have one Cartesian controller and one observation "
-            "layout here. The paper does not say where its AP begins."
-        )
-        items += filter(None, [reason_for_ap(evidence)])
-    if "bc_rnn" in methods:
-        items += filter(None, [reason_for_imitation(evidence)])
-    if "sac" in methods and evidence.reference:
-        items.append(
-            "- SAC: with the dense reward its curve stands beside robosuite-benchmark's, above. "
-            "With the sparse one nothing was measured that would explain the difference; which "
-            "reward and how many steps the paper's SAC had, it does not say."
-        )
-    return "\n".join(items)

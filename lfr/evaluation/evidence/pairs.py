@@ -22,7 +22,7 @@ NO_LEARNING = (
 
 @dataclass(frozen=True)
 class Pair:
-    """Theirs and LfR's, of the same N seeds of one transfer under one reward."""
+    """Theirs and LfR's, or another's, of the same N seeds of one transfer under one reward."""
 
     theirs: Seeds
     ours: Seeds
@@ -47,9 +47,11 @@ def pairs(evidence: Evidence, transfer: str, reward: str) -> dict[str, Pair]:
     return {label: pair for label, pair in found.items() if pair}
 
 
-def method_pair(evidence: Evidence, transfer: str, method: str, reward: str) -> Pair | None:
-    """A method's; None where it shares no seed with LfR."""
-    theirs, ours = (evidence.of(transfer, name, reward) for name in (method, OURS))
+def method_pair(
+    evidence: Evidence, transfer: str, method: str, reward: str, beside: str = OURS
+) -> Pair | None:
+    """A method's; None where it shares no seed with the one that it is set beside."""
+    theirs, ours = (evidence.of(transfer, name, reward) for name in (method, beside))
     shared = {run.seed for run in theirs} & {run.seed for run in ours}
     if not shared:
         return None

@@ -10,14 +10,14 @@ from lfr.evaluation.evidence.aggregate import Interval, bootstrap, mean
 from lfr.evaluation.evidence.links import Links, same_seeds
 from lfr.evaluation.evidence.names import LINKS, METHODS, REWARDS, in_order, method_label
 from lfr.evaluation.evidence.published import PUBLISHED, TASKS
-from lfr.evaluation.evidence.records import Evidence, SeedRun, counts, of_seeds
+from lfr.evaluation.evidence.records import Evidence, SeedRun, counts
 from lfr.evaluation.evidence.summary import OURS
 from lfr.evaluation.evidence.tables import DASH, link_cell, percent, percent_interval
 from lfr.evaluation.tables import markdown
 
 TITLE = "With our choices set back"
 NOT_YET = "It has not been run yet.\n"
-CEILINGS = {
+REFERENCES = {
     "own_arm": "the source on its own arm, no learning",
     "oracle": "the target with its own prior, no learning",
 }
@@ -54,11 +54,11 @@ def identity_sentence(evidence: Evidence) -> str | None:
     None before both were measured on some task.
     """
     found: dict[str, list[str]] = {"below": [], "level": [], "above": []}
-    every, own_arm = (_both(evidence, link) for link in ("identity", "own_arm"))
+    every, own_arm = (both_means(evidence, link) for link in ("identity", "own_arm"))
     for transfer, (ours, plain) in every.items():
-        change, place = _change(ours, plain), plain.beside(ours)
+        change, place = change_of(ours, plain), plain.beside(ours)
         if place != "level" and transfer in own_arm:
-            change += f"; the source on its own arm {_change(*own_arm[transfer])}"
+            change += f"; the source on its own arm {change_of(*own_arm[transfer])}"
         found[place].append(f"{TASKS[transfer]} ({change})")
     if not every:
         return None
@@ -130,21 +130,6 @@ def _against(evidence: Evidence) -> list[str]:
     return sentences
 
 
-def reason_for_ap(evidence: Evidence) -> str | None:
-    """Where AP begins with our choices set back, and ends, beside the paper's; None if unknown."""
-    parts = []
-    for transfer, pair in _both(evidence, "identity").items():
-        ends = _ends(evidence, transfer, "ap")
-        learned = f" and AP ends at {ends}" if ends else ""
-        paper = PUBLISHED[transfer, "ap"].rate
-        parts.append(f"{TASKS[transfer]}: {_change(*pair)}{learned} (the paper's at {paper:.1f})")
-    if not parts:
-        return None
-    return (
-        f'- With our choices set back ("{TITLE}", above) that beginning moves. {"; ".join(parts)}.'
-    )
-
-
 def plain_summary(evidence: Evidence) -> str | None:
     """Where LfR, BC+RNN and AP end with our choices set back, beside the paper's; None before.
 
@@ -157,16 +142,16 @@ def plain_summary(evidence: Evidence) -> str | None:
     rows: list[list[object]] = []
     for method in (OURS, "bc_rnn", "ap"):
         for reward in (None, *REWARDS):
-            cells = [_end(evidence, transfer, method, reward) for transfer in found]
+            cells = [plain_end(evidence, transfer, method, reward) for transfer in found]
             if any(cell != DASH for cell in cells):
                 label = f"{method_label(method)}, {reward}" if reward else method_label(method)
                 papers = (f"{PUBLISHED[transfer, method].rate:.1f}" for transfer in found)
                 both = zip(cells, papers, strict=True)
                 rows.append([label, *(cell for pair in both for cell in pair)])
-    for link, label in CEILINGS.items():
-        means = [_link_mean(evidence, transfer, link) for transfer in found]
-        if any(mean != DASH for mean in means):
-            rows.append([label, *(cell for mean in means for cell in (mean, DASH))])
+    for link, label in REFERENCES.items():
+        cells = [_link_mean(evidence, transfer, link) for transfer in found]
+        if any(cell != DASH for cell in cells):
+            rows.append([label, *(one for cell in cells for one in (cell, DASH))])
     header = ["", *(name for transfer in found for name in (TASKS[transfer], "paper"))]
     return (
         "**With most of the choices that go beyond the paper set back**, mean over seeds with its "
@@ -176,7 +161,7 @@ def plain_summary(evidence: Evidence) -> str | None:
     )
 
 
-def _end(evidence: Evidence, transfer: str, method: str, reward: str | None) -> str:
+def plain_end(evidence: Evidence, transfer: str, method: str, reward: str | None) -> str:
     """``43.7 [2.7, 74.3]``; a dash where it was not run under this reward."""
     runs = [run for run in evidence.plain_runs
             if (run.transfer, run.method, run.reward) == (transfer, method, reward)]  # fmt: skip
@@ -209,36 +194,16 @@ def _rests(evidence: Evidence) -> str:
     )
 
 
-def _ends(evidence: Evidence, transfer: str, method: str) -> str:
-    """``43.7 [2.7, 74.3] sparse and 48.0 [0.0, 81.3] dense``; empty before it ran."""
-    ends = {reward: _end(evidence, transfer, method, reward) for reward in REWARDS}
-    return " and ".join(f"{end} {reward}" for reward, end in ends.items() if end != DASH)
-
-
-def reason_for_imitation(evidence: Evidence) -> str | None:
-    """BC+RNN of plain demonstrations, beside ours of the same seeds and the paper's; or None."""
-    parts = []
-    for transfer, task in TASKS.items():
-        plain = evidence.plain_of(transfer, "bc_rnn", None)
-        ours = of_seeds(evidence.of(transfer, "bc_rnn", None), (run.seed for run in plain))
-        if ours and plain:
-            change = _change(*(bootstrap([counts(runs)], mean) for runs in (ours, plain)))
-            paper = PUBLISHED[transfer, "bc_rnn"].rate
-            parts.append(f"{task}: {change} (the paper's {paper:.1f})")
-    if not parts:
-        return None
-    return f"- With plain demonstrations BC+RNN moves. {'; '.join(parts)}."
-
-
 def _named(tasks: list[str]) -> str:
     return f": {', '.join(tasks)}" if tasks else ""
 
 
-def _change(ours: Interval, plain: Interval) -> str:
+def change_of(ours: Interval, plain: Interval) -> str:
+    """``97.0 to 19.3``"""
     return f"{percent(ours.value)} to {percent(plain.value)}"
 
 
-def _both(evidence: Evidence, link: str) -> dict[str, tuple[Interval, Interval]]:
+def both_means(evidence: Evidence, link: str) -> dict[str, tuple[Interval, Interval]]:
     """transfer -> the link's mean with our choices and with plain ones, over the same seeds."""
     found = {}
     for transfer in TASKS:

@@ -10,8 +10,8 @@ from lfr.errors import DataError
 from lfr.evaluation.evidence.findings import verdict
 from lfr.evaluation.evidence.plain import plain_summary
 from lfr.evaluation.evidence.published import PUBLISHED, TASKS
-from lfr.evaluation.evidence.records import Evidence, first_starts, read_evidence
-from lfr.evaluation.evidence.summary import OURS, Summary, summarise
+from lfr.evaluation.evidence.records import Evidence, read_evidence
+from lfr.evaluation.evidence.summary import OURS, Summary, first_starts, summarise
 from lfr.evaluation.evidence.tables import DASH, percent, percent_interval
 from lfr.evaluation.evidence.targets import MARK, TARGETS, expected_rivals, standing
 from lfr.evaluation.records import RESULTS

@@ -110,6 +110,11 @@ class Evidence:
         """The same of ``plain_runs``."""
         return _of(self.plain_runs, transfer, method, reward)
 
+    def link(self, transfer: str, link: str) -> Seeds | None:
+        """A zero-shot link's successes; None where it was not measured."""
+        found = self.links.get(transfer)
+        return found.links.get(link) if found else None
+
     def methods(self, transfers: Iterable[str] | None = None) -> list[str]:
         """Methods with a run on any of the transfers (of all of them), in the tables' order."""
         wanted = None if transfers is None else set(transfers)
@@ -142,12 +147,6 @@ def of_seeds(runs: Sequence[SeedRun], seeds: Iterable[int]) -> list[SeedRun]:
     """Those runs whose seed is among ``seeds``."""
     wanted = set(seeds)
     return [run for run in runs if run.seed in wanted]
-
-
-def first_starts(evidence: Evidence) -> str:
-    """On how many of the first starts robosuite judged: ``25``."""
-    judged = {run.stock_episodes for run in evidence.runs if run.stock_episodes is not None}
-    return " or ".join(map(str, sorted(judged))) or "0"
 
 
 def made_again(evidence: Evidence, transfer: str) -> bool:

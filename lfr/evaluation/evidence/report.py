@@ -9,14 +9,15 @@ from lfr.evaluation.evidence.conclusions import conclusions_table
 from lfr.evaluation.evidence.cost import hours, time_of_runs, time_of_tables
 from lfr.evaluation.evidence.curves import LEVELS
 from lfr.evaluation.evidence.figures import FIGURES, others
-from lfr.evaluation.evidence.findings import findings, reasons, short_table, verdict
+from lfr.evaluation.evidence.findings import findings, short_table, verdict
 from lfr.evaluation.evidence.pairs import NO_LEARNING
 from lfr.evaluation.evidence.parts import TITLE as WHICH
 from lfr.evaluation.evidence.parts import parts_section
 from lfr.evaluation.evidence.plain import TITLE, plain_section, plain_summary
 from lfr.evaluation.evidence.published import TABLES, TASKS, TRIALS
-from lfr.evaluation.evidence.records import STAGES, Evidence, first_starts, made_again
-from lfr.evaluation.evidence.summary import summaries
+from lfr.evaluation.evidence.reasons import reasons
+from lfr.evaluation.evidence.records import STAGES, Evidence, made_again
+from lfr.evaluation.evidence.summary import first_starts, summaries
 from lfr.evaluation.evidence.tables import (
     methods_table,
     overall_table,

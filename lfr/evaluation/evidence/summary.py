@@ -85,6 +85,12 @@ def summaries(evidence: Evidence, transfers: Iterable[str]) -> list[Summary]:
     return [one for one in found if one]
 
 
+def first_starts(evidence: Evidence) -> str:
+    """On how many of the first starts robosuite judged: ``25``."""
+    judged = {run.stock_episodes for run in evidence.runs if run.stock_episodes is not None}
+    return " or ".join(map(str, sorted(judged))) or "0"
+
+
 def as_metrics(found: Iterable[Summary]) -> dict[str, Any]:
     """transfer -> method -> reward -> numbers: what tables.json holds and DVC compares."""
     metrics: dict[str, Any] = {}

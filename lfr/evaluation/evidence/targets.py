@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lfr.evaluation.evidence.aggregate import Interval, bootstrap, difference
+from lfr.evaluation.evidence.aggregate import Interval, Place, bootstrap, difference
 from lfr.evaluation.evidence.names import method_label
 from lfr.evaluation.evidence.pairs import NO_LEARNING, no_learning, pairs
 from lfr.evaluation.evidence.published import (
@@ -62,7 +62,12 @@ class Rival:
     def mark(self) -> str:
         """`MARK` where it is not below LfR and yet LfR's mean is higher by its interval: of five
         seeds the interquartile mean does not see a single one that fails."""
-        return MARK if self.lead.low > 0 and self.theirs.beside(self.ours) != "below" else ""
+        return MARK if self.lead.low > 0 and self.place != "below" else ""
+
+    @property
+    def place(self) -> Place:
+        """Where theirs lies beside LfR's."""
+        return self.theirs.beside(self.ours)
 
 
 @dataclass(frozen=True)
@@ -107,7 +112,7 @@ def standing(evidence: Evidence, transfer: str, reward: str) -> Standing | None:
         if name not in own:
             lead = difference([pair.ours], [pair.theirs])
             rival = Rival(bootstrap([pair.theirs]), bootstrap([pair.ours]), lead)
-            places[rival.theirs.beside(rival.ours)][name] = rival
+            places[rival.place][name] = rival
     return Standing(bootstrap([counts(runs)]), **places)
 
 

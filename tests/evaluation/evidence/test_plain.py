@@ -8,13 +8,13 @@ from pathlib import Path
 import pytest
 
 from lfr.evaluation.evidence.plain import (
-    CEILINGS,
+    REFERENCES,
     identity_sentence,
     plain_section,
     plain_summary,
     plain_table,
-    reason_for_ap,
 )
+from lfr.evaluation.evidence.reasons import reason_for_ap
 from lfr.evaluation.evidence.records import read_evidence
 from lfr.evaluation.evidence.report import report
 from tests.evaluation.evidence.made_up import imitated, learned, zero_shot
@@ -121,15 +121,15 @@ def test_what_rests_on_our_choices_is_said_first(paper: Path) -> None:
     text = plain_summary(read_evidence(paper)) or ""
     ends = {
         name: [re.sub(r" \[.*\]", "", cell) for cell in cells(text, name)[0][3:]]
-        for name in ("LfR, sparse", "BC+RNN", "AP, sparse", "AP, dense", *CEILINGS.values())
+        for name in ("LfR, sparse", "BC+RNN", "AP, sparse", "AP, dense", *REFERENCES.values())
     }  # the can's, without intervals
     assert ends == {
         "LfR, sparse": ["25.0", "82.5"],
         "BC+RNN": ["80.0", "16.3"],
         "AP, sparse": ["45.0", "10.6"],
         "AP, dense": ["31.0", "10.6"],
-        CEILINGS["own_arm"]: ["91.0", "-"],
-        CEILINGS["oracle"]: ["89.0", "-"],
+        REFERENCES["own_arm"]: ["91.0", "-"],
+        REFERENCES["oracle"]: ["89.0", "-"],
     }
     assert not cells(text, "LfR, dense")
     assert cells(text, "AP, sparse")[0][1:3] == ["-", "56.6"]  # it was not run on Lift
