@@ -63,7 +63,7 @@ def write_whole(final: Path) -> Iterator[Path]:
 
 def write_json(path: Path, content: object, *, allow_nan: bool = False) -> None:
     """Write JSON whole, indented and with a final newline; NaN is refused (ValueError)."""
-    text = json.dumps(plain(content), indent=2, ensure_ascii=False, allow_nan=allow_nan)
+    text = json.dumps(as_json(content), indent=2, ensure_ascii=False, allow_nan=allow_nan)
     with write_whole(path) as partial:
         partial.write_text(text + "\n", encoding="utf-8")
 
@@ -82,7 +82,7 @@ def read_json(path: Path) -> Any:
         raise DataError("the file is cut off or no JSON", file=path, found=error) from None
 
 
-def plain(value: object) -> Any:
+def as_json(value: object) -> Any:
     """``value`` in JSON's types: dataclasses as mappings, tuples as lists, paths as text.
 
     Raises:
@@ -94,13 +94,13 @@ def plain(value: object) -> Any:
         return value.as_posix()
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         fields = dataclasses.fields(value)
-        return {field.name: plain(getattr(value, field.name)) for field in fields}
+        return {field.name: as_json(getattr(value, field.name)) for field in fields}
     if isinstance(value, Mapping):
-        return {str(key): plain(item) for key, item in value.items()}
+        return {str(key): as_json(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [plain(item) for item in value]
+        return [as_json(item) for item in value]
     if isinstance(value, set | frozenset):
-        return sorted(plain(item) for item in value)
+        return sorted(as_json(item) for item in value)
     if tolist := getattr(value, "tolist", None):  # NumPy arrays and scalars, tensors
         return tolist()
     raise TypeError(f"{type(value).__name__} is not a value that JSON can hold: {value!r}")
@@ -109,10 +109,10 @@ def plain(value: object) -> Any:
 def fingerprint(*parts: object) -> str:
     """16 hexadecimal digits that change when any of the parts changes.
 
-    A part is anything `plain` takes; a Path that is itself a part counts by its content
+    A part is anything `as_json` takes; a Path that is itself a part counts by its content
     (`file_hash`), one inside a part by its name.
     """
-    contents = [file_hash(part) if isinstance(part, Path) else plain(part) for part in parts]
+    contents = [file_hash(part) if isinstance(part, Path) else as_json(part) for part in parts]
     text = json.dumps(contents, sort_keys=True, separators=(",", ":"))
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lfr.artifacts import load_model, plain, save_model
+from lfr.artifacts import as_json, load_model, save_model
 from lfr.errors import DataError
 from lfr.params import from_mapping
 
@@ -31,7 +31,7 @@ class ModelKind[Model: nn.Module]:
 
     def save(self, folder: Path, model: Model, seen: object) -> None:
         """Write a model whole, with what it has seen (a dataclass)."""
-        config = {"kind": self.name, "model": self.shape_of(model), "seen": plain(seen)}
+        config = {"kind": self.name, "model": self.shape_of(model), "seen": as_json(seen)}
         save_model(folder, config, model.state_dict())
 
     def load(self, folder: Path) -> Model:
@@ -45,7 +45,7 @@ class ModelKind[Model: nn.Module]:
 
     def shape_of(self, model: Model) -> dict[str, Any]:
         """The constructor's arguments that gave ``model``, as JSON holds them."""
-        return {name: plain(getattr(model, name)) for name in self.shape}
+        return {name: as_json(getattr(model, name)) for name in self.shape}
 
     def build(self, shape: dict[str, Any], tensors: dict[str, Tensor], folder: Path) -> Model:
         """A model of this shape with these tensors, ready to be used.

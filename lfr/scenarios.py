@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, get_args
 
-from lfr.brought import BroughtArm, brought
 from lfr.errors import LfrError, ParameterError, UnknownNameError
+from lfr.external import ExternalArm, external
 from lfr.params import PARAMS, from_mapping, read_yaml
 from lfr.robots import ROBOTS
 from lfr.tasks import TASKS
@@ -91,7 +91,7 @@ class _Entry:
 
 
 def scenarios(path: Path = PARAMS) -> dict[str, Scenario]:
-    """The scenarios of params.yaml, by name, those of brought arms after the others.
+    """The scenarios of params.yaml, by name, those of external arms after the others.
 
     Raises:
         ParameterError: one is incomplete or contradicts itself.
@@ -100,11 +100,11 @@ def scenarios(path: Path = PARAMS) -> dict[str, Scenario]:
     section = read_yaml(path).get("scenarios")
     if not isinstance(section, dict) or not section:
         raise ParameterError(f"{path}: no section 'scenarios'")
-    theirs = brought(path)
+    theirs = external(path)
     twice = sorted(set(section) & set(theirs.scenarios))
     if twice:
-        raise ParameterError(f"{path}: {', '.join(twice)} under 'scenarios' and under 'brought'")
-    places = (("scenarios", section), ("brought.scenarios", theirs.scenarios))
+        raise ParameterError(f"{path}: {', '.join(twice)} under 'scenarios' and under 'external'")
+    places = (("scenarios", section), ("external.scenarios", theirs.scenarios))
     return {
         str(name): _scenario(str(name), entry, f"{path}: {place}.{name}", theirs.arms)
         for place, entries in places
@@ -201,7 +201,7 @@ def _new(scenario: Scenario, robot: str) -> tuple[str, ...]:
     return (scenario.new[robot],) if robot in scenario.new else ()
 
 
-def _scenario(name: str, entry: object, where: str, arms: Mapping[str, BroughtArm]) -> Scenario:
+def _scenario(name: str, entry: object, where: str, arms: Mapping[str, ExternalArm]) -> Scenario:
     read = from_mapping(_Entry, entry, where)
     robots = read.arms or tuple(read.new)
     for robot in (*read.new, *robots):

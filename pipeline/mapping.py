@@ -3,9 +3,9 @@
 import sys
 from pathlib import Path
 
-from lfr.brought import brought_arms
 from lfr.evaluation.chain import chain_trials, train_and_measure
 from lfr.evaluation.params import EvaluateParams
+from lfr.external import external_arms
 from lfr.mapping.models import mapping_job
 from lfr.mapping.training import MappingParams
 from lfr.params import read_section
@@ -17,7 +17,7 @@ from lfr.skills.params import SkillsParams
 from pipeline._stage import SeedParams, models_into, rows_of, unfinished_work, write_metrics
 
 CODE = (
-    "lfr.mapping", "lfr.skills", "lfr.models", "lfr.data", "lfr.brought", "lfr.columns",
+    "lfr.mapping", "lfr.skills", "lfr.models", "lfr.data", "lfr.external", "lfr.columns",
     "lfr.sim", "lfr.scenarios", "lfr.seeds", "lfr.robots", "lfr.tasks", "lfr.evaluation.chain",
     "lfr.evaluation.policies", "lfr.evaluation.rollouts", "lfr.evaluation.trials",
 )  # fmt: skip
@@ -34,7 +34,7 @@ def main(transfer: str) -> None:
     held_out = read_section(SkillsParams, "skills").held_out
     seed = read_section(SeedParams, "seeds").models
     skills = Path("models/skills") / transfer
-    arms = brought_arms(scenario.robots)
+    arms = external_arms(scenario.robots)
     datasets = [
         arms[robot].dataset(task) if robot in arms else DATASETS / f"{robot}-{task}"
         for robot, tasks in (

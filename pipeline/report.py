@@ -4,12 +4,12 @@ import sys
 from pathlib import Path
 
 from lfr.artifacts import write_json, write_whole
-from lfr.brought import brought
 from lfr.errors import ParameterError
 from lfr.evaluation import figures, tables
 from lfr.evaluation.readme import results_block, update_readme
 from lfr.evaluation.records import RESULTS, chain_records, read_runs, transfer_records
 from lfr.evaluation.report import report
+from lfr.external import external
 from lfr.params import PARAMS, read_yaml
 from lfr.program import run_stage
 from lfr.scenarios import transfer as transfer_named
@@ -37,7 +37,7 @@ def main() -> None:
     figures.learning_figure(RESULTS / "learning.svg", curves, records, warm_up)
     write_json(RESULTS / "table.json", tables.summary(records, chains))
     _write(RESULTS / "table.md", tables.transfer_table(records))
-    _write(RESULTS / "report.md", report(records, chains, brought=brought().transfers))
+    _write(RESULTS / "report.md", report(records, chains, external=external().transfers))
     if README.is_file():  # it is no output of the stage, and need not be there
         update_readme(README, results_block())
 

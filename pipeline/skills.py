@@ -3,9 +3,9 @@
 import sys
 from pathlib import Path
 
-from lfr.brought import brought_arms
 from lfr.evaluation.own_arm import train_and_measure
 from lfr.evaluation.params import EvaluateParams
+from lfr.external import external_arms
 from lfr.params import read_section
 from lfr.program import run_stage
 from lfr.scenarios import scenario as scenario_named
@@ -18,7 +18,7 @@ from lfr.skills.params import SkillsParams
 from pipeline._stage import SeedParams, models_into, rows_of, unfinished_work, write_metrics
 
 CODE = (
-    "lfr.skills", "lfr.models", "lfr.data", "lfr.brought", "lfr.columns", "lfr.sim",
+    "lfr.skills", "lfr.models", "lfr.data", "lfr.external", "lfr.columns", "lfr.sim",
     "lfr.scenarios", "lfr.seeds", "lfr.robots", "lfr.tasks", "lfr.evaluation.own_arm",
     "lfr.evaluation.policies", "lfr.evaluation.rollouts", "lfr.evaluation.trials",
 )  # fmt: skip
@@ -33,7 +33,7 @@ def main(transfer: str) -> None:
     scenario = scenario_named(chosen.scenario)
     params = read_section(SkillsParams, "skills")
     seed = read_section(SeedParams, "seeds").models
-    arms = brought_arms(scenario.robots)
+    arms = external_arms(scenario.robots)
     check_arms(scenario, arms)
     datasets = {
         arms[robot].dataset(task) if robot in arms else DATASETS / f"{robot}-{task}"

@@ -19,7 +19,7 @@ from lfr.jobs import memory, peak_memory, report, run_jobs
 from lfr.jobs.here import run_here
 from lfr.jobs.order import Order
 from lfr.jobs.pool import run_in_pool
-from lfr.jobs.tally import Tally
+from lfr.jobs.results import Results
 from lfr.progress import progress
 
 from . import made_up_jobs as jobs
@@ -62,7 +62,7 @@ def test_the_same_bits_on_one_thread_wherever_it_runs() -> None:
     here = run_jobs(jobs.numerical, [0], workers=1)
     there: dict[int, list[float]] = {}
     with progress(1) as bar:  # one worker, so that torch is loaded once
-        run_in_pool(jobs.numerical, {0: 0}, Order([0], {}), 1, Tally(bar, there.__setitem__))
+        run_in_pool(jobs.numerical, {0: 0}, Order([0], {}), 1, Results(bar, there.__setitem__))
     assert there == {0: here[0]}
     assert here[0][1] == 1
     assert torch.get_num_threads() == before
@@ -131,11 +131,11 @@ def test_the_bar_shows_the_sum_of_what_jobs_report(backend: str) -> None:
             seen.append(self.n)
             return super().update(n)
 
-    tally = Tally(Bar(total=2, file=io.StringIO()), lambda index, result: None)
+    results = Results(Bar(total=2, file=io.StringIO()), lambda index, result: None)
     if backend == "here":
-        run_here(jobs.reporting, {0: 2, 1: 2}, Order([0, 1], {}), tally)
+        run_here(jobs.reporting, {0: 2, 1: 2}, Order([0, 1], {}), results)
     else:
-        run_in_pool(jobs.reporting, {0: 2, 1: 2}, Order([0, 1], {}), 2, tally)
+        run_in_pool(jobs.reporting, {0: 2, 1: 2}, Order([0, 1], {}), 2, results)
     assert 0.5 in seen
     assert seen[-1] == 2
     assert max(seen) == 2

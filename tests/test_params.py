@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lfr.artifacts import plain
+from lfr.artifacts import as_json
 from lfr.errors import ParameterError
 from lfr.params import from_mapping, read_section
 
@@ -95,7 +95,7 @@ def test_names_what_does_not_fit(values: dict[str, object], message: str) -> Non
     )
 )
 def test_what_is_written_out_is_read_back(learner: Learner) -> None:
-    assert from_mapping(Learner, plain(learner), "p") == learner
+    assert from_mapping(Learner, as_json(learner), "p") == learner
 
 
 def test_a_section_and_a_section_of_it(tmp_path: Path) -> None:

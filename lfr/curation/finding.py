@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from lfr.artifacts import plain
+from lfr.artifacts import as_json
 from lfr.errors import DataError
 
 Severity = Literal["error", "warning"]
@@ -52,7 +52,7 @@ class Finding:
 
     def as_json(self) -> dict[str, Any]:
         """For machines: every attribute, in JSON's types."""
-        content = plain(self)
+        content = as_json(self)
         for name in ("found", "expected"):  # JSON has no NaN
             value = getattr(self, name)
             if value is not None and not isinstance(value, bool | int | str):

@@ -12,8 +12,8 @@ from lfr.sim.layout import ObservationLayout
 # The controller's action of 1 moves its goal by this much: OSC_POSE's output_max in robosuite.
 METRES_PER_ACTION = 0.05
 RADIANS_PER_ACTION = 0.5
-SHOVE_STEPS = 6
-SHOVE = np.array([0.6, 0.6, 0.6, 0.3, 0.3, 0.3])  # bounds on its components, as an action
+PERTURBATION_STEPS = 6
+PERTURBATION = np.array([0.6, 0.6, 0.6, 0.3, 0.3, 0.3])  # bounds on its components, as an action
 SLIP_STEPS = 8  # at 0.2 of the gripper's command a step, enough to lose or to miss an object
 
 
@@ -30,7 +30,7 @@ class ExpertParams:
     max_action: float = 1.0  # bound on each clean action component
     noise: float = 0.1  # standard deviation of the executed action's noise
     persistence: float = 0.8  # its correlation from one step to the next
-    shove: float = 0.01  # chance per step that the hand is pushed aside for SHOVE_STEPS steps
+    perturbation: float = 0.01  # chance per step of a push, PERTURBATION_STEPS long
     slip: float = 0.005  # chance per step that the hand does the opposite for SLIP_STEPS steps
 
 
@@ -41,7 +41,7 @@ class Expert:
     with Gaussian noise on the motion, as in DART (Laskey et al. 2017), so that demonstrations
     visit the states around the path and show the way back. The noise persists over some steps: it
     displaces the arm further than white noise would, and the clean labels stay smooth. Now and
-    then the arm is shoved centimetres aside, as far as a learner's own errors take it, and the
+    then the arm is pushed centimetres aside, as far as a learner's own errors take it, and the
     hand slips, so that a missed grasp and a lost object have been seen and mended.
     """
 
@@ -50,7 +50,7 @@ class Expert:
         self.params = params
         groups = dict.fromkeys(name.split(".")[0] for name in layout.names)
         self.disturbance = np.zeros(6)
-        self.shove, self.shoved = np.zeros(6), 0  # the push, and for how many more steps
+        self.push, self.pushed = np.zeros(6), 0  # the perturbation, and for how many more steps
         self.slipping = 0
         self.slices = {group: layout.slice(group) for group in groups}
 
@@ -77,11 +77,11 @@ class Expert:
         fresh = self.params.noise * np.sqrt(1.0 - rho**2) * rng.standard_normal(6)
         self.disturbance = rho * self.disturbance + fresh
         noisy[:6] += self.disturbance
-        if self.shoved == 0 and rng.random() < self.params.shove:
-            self.shoved, self.shove = SHOVE_STEPS, SHOVE * rng.uniform(-1.0, 1.0, 6)
-        if self.shoved:
-            self.shoved -= 1
-            noisy[:6] += self.shove
+        if self.pushed == 0 and rng.random() < self.params.perturbation:
+            self.pushed, self.push = PERTURBATION_STEPS, PERTURBATION * rng.uniform(-1.0, 1.0, 6)
+        if self.pushed:
+            self.pushed -= 1
+            noisy[:6] += self.push
         if self.slipping == 0 and rng.random() < self.params.slip:
             self.slipping = SLIP_STEPS
         if self.slipping:

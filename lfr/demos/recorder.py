@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from lfr.artifacts import plain, write_whole
+from lfr.artifacts import as_json, write_whole
 from lfr.demos.attempt import AttemptParams, attempt
 from lfr.errors import LfrError, ParameterError
 from lfr.jobs import run_jobs
@@ -141,7 +141,7 @@ def record_attempt(job: AttemptJob) -> dict[str, Any]:
         state_names=layout.state_names,
         environment_names=layout.environment_names,
         joint_names=running.robot.joints,
-        extra={"expert": str(plain(job.attempt))},
+        extra={"expert": str(as_json(job.attempt))},
     )
     cameras = {}
     if camera:

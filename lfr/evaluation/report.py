@@ -16,16 +16,16 @@ def report(
     chains: Mapping[str, Record],
     results: Path = RESULTS,
     *,
-    brought: Sequence[str] = (),
+    external: Sequence[str] = (),
 ) -> str:
     """Markdown: success, the chain, the skills, the demonstrations, and how the stages ran.
 
     Args:
-        brought: transfers between arms without a simulator; they have skills and a mapping alone.
+        external: transfers between arms without a simulator; they have skills and a mapping alone.
     """
     recorded = _all(results / "record")
     skills, mappings = (
-        {name: one for name, one in _all(results / stage).items() if name in (*chains, *brought)}
+        {name: one for name, one in _all(results / stage).items() if name in (*chains, *external)}
         for stage in ("skills", "mapping")
     )
     datasets = {name: digest for one in records for name, digest in

@@ -141,7 +141,7 @@ def _how(facts: DatasetFacts, making: Making | None, logs: bool) -> str:
             "The scene, reward and success check are those of robosuite "
             f"{versions['robosuite']}, stepped by MuJoCo {versions['mujoco']} in a compiled kernel "
             "that tests hold to robosuite's own loop. A scripted expert leads the hand from "
-            "waypoint to waypoint. What the arm executes is its action with noise and a rare shove "
+            "waypoint to waypoint. What the arm executes is its action with noise and a rare push "
             "or slip; `action` is the clean one, which a learner should do in that state. Before "
             "the first frame the hand drifts, so that demonstrations start in many places.",
             "Frame t holds what was observed before action t, action t, and, as `next.*`, what "

@@ -221,7 +221,7 @@ def _rebuild(facts: ModelFacts) -> list[str]:
     commands = shell(
         f"git checkout {provenance['revision']}",
         "make setup",
-        f".venv/bin/dvc repro {'' if _simulated(facts) else 'brought-'}{facts.stage}@{facts.name}",
+        f".venv/bin/dvc repro {'' if _simulated(facts) else 'external-'}{facts.stage}@{facts.name}",
     )
     return ["## Rebuild", f"In a checkout of lfr, the revision that made it{changed}:", commands]
 

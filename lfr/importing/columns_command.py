@@ -26,7 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    """Print an entry for ``brought.arms`` of params.yaml, to be shortened by hand."""
+    """Print an entry for ``external.arms`` of params.yaml, to be shortened by hand."""
     print(arm_entry(options.dataset, options.arm, options.action), end="")
 
 

@@ -13,11 +13,11 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from lfr.artifacts import fingerprint, plain, read_json, write_json
+from lfr.artifacts import as_json, fingerprint, read_json, write_json
 from lfr.jobs.here import run_here
 from lfr.jobs.memory import peak_memory
 from lfr.jobs.order import Order
-from lfr.jobs.tally import Tally, report
+from lfr.jobs.results import Results, report
 from lfr.progress import progress
 
 __all__ = ["peak_memory", "report", "run_jobs"]
@@ -67,11 +67,11 @@ def run_jobs(
     def keep(index: int, result: Any) -> None:
         results[index] = result
         if files:
-            content = {"function": name, "spec": plain(specs[index]), "result": result}
+            content = {"function": name, "spec": as_json(specs[index]), "result": result}
             write_json(files[index], content, allow_nan=True)
 
     with progress(len(specs), description, unit, initial=len(results)) as bar:
-        _run(function, todo, after, workers, Tally(bar, keep))
+        _run(function, todo, after, workers, Results(bar, keep))
     return [results[index] for index in range(len(specs))]
 
 
@@ -80,19 +80,19 @@ def _run(
     todo: Mapping[int, Any],
     after: Mapping[int, int],
     workers: int | None,
-    tally: Tally,
+    results: Results,
 ) -> None:
     order = Order(todo, after)
     if todo and workers is None and os.environ.get("RAY_ADDRESS"):
         from lfr.jobs.cluster import run_on_ray
 
-        return run_on_ray(function, todo, order, tally)
+        return run_on_ray(function, todo, order, results)
     workers = min(workers or os.cpu_count() or 1, len(todo))
     if workers <= 1:
-        return run_here(function, todo, order, tally)
+        return run_here(function, todo, order, results)
     from lfr.jobs.pool import run_in_pool
 
-    return run_in_pool(function, todo, order, workers, tally)
+    return run_in_pool(function, todo, order, workers, results)
 
 
 def _full_name(function: Callable[[Any], Any]) -> str:

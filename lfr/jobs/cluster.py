@@ -14,11 +14,11 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from lfr.artifacts import plain
+from lfr.artifacts import as_json
 from lfr.errors import LfrError, MissingLibraryError
 from lfr.jobs.here import one_thread
 from lfr.jobs.order import Order
-from lfr.jobs.tally import Tally, listening
+from lfr.jobs.results import Results, listening
 
 RETRIES = 3  # of a job whose worker or node died; what a job raises itself is never retried
 POLL = 0.5  # seconds between two looks at the reports
@@ -26,7 +26,7 @@ POLL = 0.5  # seconds between two looks at the reports
 Function = Callable[[Any], Any]
 
 
-def run_on_ray(function: Function, todo: Mapping[int, Any], order: Order, tally: Tally) -> None:
+def run_on_ray(function: Function, todo: Mapping[int, Any], order: Order, results: Results) -> None:
     """Run the jobs as Ray tasks of one core each, at the cluster of ``RAY_ADDRESS``.
 
     Raises:
@@ -44,9 +44,9 @@ def run_on_ray(function: Function, todo: Mapping[int, Any], order: Order, tally:
                 pending[task.remote(folder, function, index, todo[index], board)] = index
             ready, _ = ray.wait(list(pending), timeout=POLL)
             for index, fraction in ray.get(board.take.remote()).items():
-                tally.report(index, fraction)
+                results.report(index, fraction)
             for reference in ready:
-                tally.finish(pending[reference], ray.get(reference))
+                results.finish(pending[reference], ray.get(reference))
                 order.finish(pending.pop(reference))
     except ray.exceptions.RayTaskError as error:
         if isinstance(error.cause, LfrError):
@@ -81,7 +81,7 @@ def _on_node(folder: str, function: Function, index: int, spec: Any, board: Any)
         raise LfrError(f"node {node} has no folder {folder}; share the project's folder with it")
     os.chdir(folder)
     with one_thread(), listening(partial(board.put.remote, index)):
-        return plain(function(spec))
+        return as_json(function(spec))
 
 
 def _connect() -> Any:

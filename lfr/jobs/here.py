@@ -9,9 +9,9 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from typing import Any
 
-from lfr.artifacts import plain
+from lfr.artifacts import as_json
 from lfr.jobs.order import Order
-from lfr.jobs.tally import Tally, listening
+from lfr.jobs.results import Results, listening
 
 # Read by a numerical library when it is loaded.
 ONE_THREAD = {
@@ -21,14 +21,14 @@ ONE_THREAD = {
 
 
 def run_here(
-    function: Callable[[Any], Any], todo: Mapping[int, Any], order: Order, tally: Tally
+    function: Callable[[Any], Any], todo: Mapping[int, Any], order: Order, results: Results
 ) -> None:
     """Run the jobs here; what they raise comes through as it is."""
     with one_thread():
         while (index := order.next()) is not None:
-            with listening(partial(tally.report, index)):
-                result = plain(function(todo[index]))
-            tally.finish(index, result)
+            with listening(partial(results.report, index)):
+                result = as_json(function(todo[index]))
+            results.finish(index, result)
             order.finish(index)
 
 

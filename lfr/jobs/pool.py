@@ -19,12 +19,12 @@ from multiprocessing import connection, forkserver, get_context, parent_process
 from multiprocessing.connection import Connection
 from typing import Any
 
-from lfr.artifacts import plain
+from lfr.artifacts import as_json
 from lfr.errors import LfrError
 from lfr.jobs.here import one_thread
 from lfr.jobs.memory import note_worker, own_peak
 from lfr.jobs.order import Order
-from lfr.jobs.tally import Tally, listening
+from lfr.jobs.results import Results, listening
 
 ATTEMPTS = 2
 STOP_TIMEOUT = 2.0  # seconds to end on SIGTERM before SIGKILL
@@ -33,7 +33,7 @@ Function = Callable[[Any], Any]
 
 
 def run_in_pool(
-    function: Function, todo: Mapping[int, Any], order: Order, workers: int, tally: Tally
+    function: Function, todo: Mapping[int, Any], order: Order, workers: int, results: Results
 ) -> None:
     """Run the jobs in ``workers`` processes; a job whose process dies is tried once more.
 
@@ -56,14 +56,14 @@ def run_in_pool(
             for worker in [busy[pipe] for pipe in list(busy) if pipe in ready]:
                 kind, value = worker.receive()
                 if kind == "report":
-                    tally.report(worker.index, value)
+                    results.report(worker.index, value)
                     continue
                 if kind == "memory":
                     note_worker(value)
                     continue
                 del busy[worker.pipe]
                 if kind == "result":
-                    tally.finish(worker.index, value)
+                    results.finish(worker.index, value)
                     order.finish(worker.index)
                     idle.append(worker)
                 elif kind == "error":
@@ -74,7 +74,7 @@ def run_in_pool(
                     idle.append(_Worker(function))
                     if attempts[worker.index] == ATTEMPTS:
                         raise LfrError(_death(todo[worker.index], worker.process.exitcode))
-                    tally.report(worker.index, 0.0)
+                    results.report(worker.index, 0.0)
                     order.again(worker.index)
     finally:
         for worker in [*idle, *busy.values()]:
@@ -128,7 +128,7 @@ def _work(pipe: Connection, function: Function) -> None:
             except EOFError:
                 return
             try:
-                answer = "result", plain(function(spec))
+                answer = "result", as_json(function(spec))
             except (LfrError, OSError) as error:
                 answer = "error", error
             except Exception:  # whatever it is, the parent raises it where the user sees it

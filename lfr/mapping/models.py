@@ -12,7 +12,7 @@ import torch
 from torch import Tensor
 
 from lfr.artifacts import fingerprint
-from lfr.brought import BroughtArm
+from lfr.external import ExternalArm
 from lfr.mapping.artifacts import MappingSeen, save_generator
 from lfr.mapping.report import common_report, decoded_difference, new_task_report
 from lfr.mapping.training import CommonTask, MappingParams, train_mapping
@@ -34,7 +34,7 @@ class MappingJob:
         folder: where ``g`` and ``f`` are saved.
         seed: of the skills' split and, with the transfer's name, of this training.
         datasets: folder of the datasets of arms that this project simulates.
-        arms: those that are brought, by name.
+        arms: those that are external, by name.
     """
 
     scenario: Scenario
@@ -45,7 +45,7 @@ class MappingJob:
     skills: str
     folder: str
     datasets: str
-    arms: Mapping[str, BroughtArm] = field(default_factory=dict)
+    arms: Mapping[str, ExternalArm] = field(default_factory=dict)
 
 
 def mapping_job(
@@ -57,7 +57,7 @@ def mapping_job(
     skills: Path,
     folder: Path,
     datasets: Path = DATASETS,
-    arms: Mapping[str, BroughtArm] = MappingProxyType({}),
+    arms: Mapping[str, ExternalArm] = MappingProxyType({}),
 ) -> MappingJob:
     """The job that trains ``folder/{g,f}`` on these arms' demonstrations."""
     return MappingJob(
@@ -181,7 +181,7 @@ def _read(
     )  # fmt: skip
 
 
-def _suited(params: MappingParams, arms: Mapping[str, BroughtArm]) -> MappingParams:
+def _suited(params: MappingParams, arms: Mapping[str, ExternalArm]) -> MappingParams:
     """Without moved scenes and shared windows where it is not known what they mean to an arm."""
     if all(arm.cartesian for arm in arms.values()):
         return params

@@ -5,23 +5,23 @@ from __future__ import annotations
 from collections.abc import Mapping
 from itertools import zip_longest
 
-from lfr.brought import BroughtArm
-from lfr.data.brought import selected
 from lfr.data.episode import FPS
+from lfr.data.external import selected
 from lfr.errors import DataError
+from lfr.external import ExternalArm
 from lfr.scenarios import Scenario, transfers_of
 from lfr.sim.layout import ObservationLayout
 from lfr.tasks import TASKS
 
 
-def check_arms(scenario: Scenario, arms: Mapping[str, BroughtArm]) -> None:
+def check_arms(scenario: Scenario, arms: Mapping[str, ExternalArm]) -> None:
     """Hold both arms of a scenario to the same observation of each task, by metadata alone.
 
     The source's prior of a task is asked about states of the target's, and the other way round;
     so every dimension must mean the same to both. Nothing is asked of the actions.
 
     Args:
-        arms: the brought ones, by name.
+        arms: the external ones, by name.
 
     Raises:
         DataError: an observation differs, or the rate of the control steps; or a dataset lacks a
@@ -35,7 +35,7 @@ def check_arms(scenario: Scenario, arms: Mapping[str, BroughtArm]) -> None:
         raise DataError(
             f"{second} has another fps than {first}, so their skills would last differently; "
             "resample one of them",
-            file="params.yaml", column="brought.arms", found=rates[1], expected=rates[0],
+            file="params.yaml", column="external.arms", found=rates[1], expected=rates[0],
         )  # fmt: skip
     for task in scenario.common:
         _compare(task, first, second, *(_names(robot, task, arms) for robot in (first, second)))
@@ -43,7 +43,7 @@ def check_arms(scenario: Scenario, arms: Mapping[str, BroughtArm]) -> None:
         _names(transfer.source, transfer.task, arms)
 
 
-def _names(robot: str, task: str, arms: Mapping[str, BroughtArm]) -> tuple[str, ...]:
+def _names(robot: str, task: str, arms: Mapping[str, ExternalArm]) -> tuple[str, ...]:
     if robot in arms:
         return selected(arms[robot], task).observation_names
     layout = ObservationLayout.of(TASKS[task])
@@ -58,6 +58,6 @@ def _compare(
             raise DataError(
                 f"{second} observes {task} otherwise than {first}; choose the same quantities of "
                 "both and call them alike under 'names'",
-                file="params.yaml", column=f"brought.arms, observation, dimension {place}",
+                file="params.yaml", column=f"external.arms, observation, dimension {place}",
                 found=given, expected=wanted,
             )  # fmt: skip

@@ -10,13 +10,13 @@ import torch
 from torch import Tensor
 
 from lfr.artifacts import file_hash
-from lfr.brought import BroughtArm
 from lfr.columns import ActionSpace
-from lfr.data.brought import read_brought
 from lfr.data.checks import check_dataset
 from lfr.data.episode import FPS, JOINT_POSITION, features
+from lfr.data.external import read_external
 from lfr.data.windows import DemonstrationSet, WindowBatch, Windows, read_dataset
 from lfr.errors import DataError
+from lfr.external import ExternalArm
 from lfr.scenarios import Role, Scenario, check_visible
 from lfr.sim.layout import ObservationLayout
 from lfr.tasks import task as task_named
@@ -60,7 +60,7 @@ def read_visible(
     held_out: float,
     seed: int,
     folder: Path = DATASETS,
-    arm: BroughtArm | None = None,
+    arm: ExternalArm | None = None,
 ) -> dict[str, Demonstrations]:
     """The robot's demonstrations of ``tasks``, for a model in this role.
 
@@ -69,7 +69,7 @@ def read_visible(
         held_out: share of each dataset's episodes kept from training; which ones depends on
             ``seed`` and the dataset's size alone, so they are the same for every model.
         folder: of the datasets of arms that this project simulates.
-        arm: the robot, where it is brought; its mapping says where the datasets are.
+        arm: the robot, where it is external; its mapping says where the datasets are.
 
     Raises:
         LfrError: a task is hidden from this robot in this role; nothing has been read then.
@@ -93,10 +93,10 @@ def read_demonstrations(
     horizon: int,
     held_out: float,
     seed: int,
-    arm: BroughtArm | None = None,
+    arm: ExternalArm | None = None,
 ) -> Demonstrations:
     """One dataset, whoever asks; `read_visible` holds the leak rule."""
-    found = read_brought(arm, task) if arm else _read_recorded(path, robot, task)
+    found = read_external(arm, task) if arm else _read_recorded(path, robot, task)
     training, kept = found.split(held_out, seed)
     windows = [Windows(part, horizon, padded=False).all() for part in (training, kept)]
     if not len(windows[0].actions):

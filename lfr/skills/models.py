@@ -12,8 +12,8 @@ import torch
 from torch import Tensor
 
 from lfr.artifacts import fingerprint
-from lfr.brought import BroughtArm
 from lfr.data.windows import WindowBatch
+from lfr.external import ExternalArm
 from lfr.scenarios import Role, Scenario, Transfer, visible_tasks
 from lfr.skills.artifacts import Seen, load_vae, save_prior, save_vae
 from lfr.skills.demonstrations import DATASETS, Demonstrations, balanced, read_visible
@@ -33,7 +33,7 @@ class ModelJob:
         folder: of this transfer's models.
         task: None for the VAE.
         datasets: folder of the datasets of arms that this project simulates.
-        arm: the robot, where it is brought.
+        arm: the robot, where it is external.
     """
 
     scenario: Scenario
@@ -44,7 +44,7 @@ class ModelJob:
     seed: int
     folder: str
     datasets: str
-    arm: BroughtArm | None = None
+    arm: ExternalArm | None = None
 
     @property
     def vae(self) -> Path:
@@ -77,13 +77,13 @@ def model_jobs(
     seed: int,
     folder: Path,
     datasets: Path = DATASETS,
-    arms: Mapping[str, BroughtArm] = MappingProxyType({}),
+    arms: Mapping[str, ExternalArm] = MappingProxyType({}),
 ) -> tuple[list[ModelJob], dict[int, int]]:
     """Jobs that train source, target and oracle into ``folder/<role>/{vae,prior-<task>}``.
 
     Args:
         datasets: folder of the datasets of arms that this project simulates.
-        arms: those that are brought, by name.
+        arms: those that are external, by name.
 
     Returns:
         The jobs, VAEs first, and for each prior's number that of its VAE, which it needs.
@@ -197,7 +197,7 @@ def _seen(job: ModelJob, demonstrations: Mapping[str, Demonstrations]) -> Seen:
     return Seen(scenario, job.robot, job.role, tasks, digests, model_seed(job), actions)
 
 
-def _suited(params: SkillsParams, arm: BroughtArm | None) -> SkillsParams:
+def _suited(params: SkillsParams, arm: ExternalArm | None) -> SkillsParams:
     """Without moved scenes where it is not known how this arm's actions move with them."""
     if arm is None or arm.cartesian:
         return params

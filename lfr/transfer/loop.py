@@ -19,7 +19,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from lfr.artifacts import plain
+from lfr.artifacts import as_json
 from lfr.errors import LfrError
 from lfr.transfer.actor import as_tensor
 from lfr.transfer.checkpoint import load_checkpoint, save_checkpoint
@@ -87,7 +87,9 @@ class TransferLoop:
         self._began, self._before = time.perf_counter(), 0.0
         self.curve: list[CurvePoint] = []
         self.means = Means()  # since the last evaluation
-        self.identity = plain({"params": plain(params), "seed": seed, "layout": start.layout_names})
+        self.identity = as_json(
+            {"params": as_json(params), "seed": seed, "layout": start.layout_names}
+        )
         self.episodes = [RunningEpisode(simulation) for simulation in simulations]
         if not self._resume():
             for episode in self.episodes:

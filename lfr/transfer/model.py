@@ -6,14 +6,14 @@ from pathlib import Path
 from typing import Any
 
 from lfr.ablations.other_task import OTHER_TASK
-from lfr.artifacts import plain, save_model
+from lfr.artifacts import as_json, save_model
 from lfr.mapping.artifacts import GENERATOR
 from lfr.models import ModelKind, read_model
 from lfr.skills.artifacts import PRIOR, VAE
 from lfr.transfer.actor import OneAction, SkillActor
 from lfr.transfer.distribution import GAUSSIAN, distribution
 from lfr.transfer.policy import IdentityMap, MappedPolicy, StandardNormal
-from lfr.transfer.sighted import SightedPolicy
+from lfr.transfer.residual_prior import ResidualPriorPolicy
 
 KIND = "transferred_policy"
 # The networks that an actor consists of.
@@ -24,7 +24,7 @@ PARTS: dict[str, ModelKind[Any]] = {
         GENERATOR,
         VAE,
         OTHER_TASK,
-        ModelKind("sighted_policy", SightedPolicy, OTHER_TASK.shape),
+        ModelKind("residual_prior_policy", ResidualPriorPolicy, OTHER_TASK.shape),
         ModelKind("identity_map", IdentityMap, ()),
         ModelKind("standard_normal", StandardNormal, ("latent_dim",)),
         ModelKind("one_action", OneAction, ("latent_dim",)),
@@ -41,7 +41,7 @@ def save_policy(folder: Path, actor: SkillActor, about: dict[str, Any]) -> None:
         kind = type(network).__name__
         shapes[name] = {"class": kind, "shape": PARTS[kind].shape_of(network)}
         tensors |= {f"{name}.{key}": value for key, value in network.state_dict().items()}
-    config = {"kind": KIND, "about": plain(about), "networks": shapes}
+    config = {"kind": KIND, "about": as_json(about), "networks": shapes}
     if actor.distribution != GAUSSIAN:
         config["distribution"] = actor.distribution.name
     if actor.policy.min_sigma > 0.0:

@@ -6,7 +6,7 @@ import dataclasses
 from pathlib import Path
 from typing import Any
 
-from lfr.artifacts import plain
+from lfr.artifacts import as_json
 from lfr.errors import DataError
 from lfr.transfer.loop import TransferLoop
 from lfr.transfer.methods.start import Start
@@ -76,7 +76,7 @@ def train(
         )
     loop = TransferLoop(start, simulations, params, seed, work, Reported(observer or Observer()))
     curve = [dataclasses.asdict(point) for point in loop.run()]
-    described = {"robot": robot, "task": task, "seed": seed, "params": plain(params)}
+    described = {"robot": robot, "task": task, "seed": seed, "params": as_json(params)}
     save_policy(out, loop.actor, described | (about or {}))
     return {
         "seed": seed,

@@ -148,7 +148,7 @@ def _beside(arguments: argparse.Namespace, folder: Path, wanted: Wanted) -> Show
 
 def _attend(viewer: Viewer, shown: Shown, folder: Path, wanted: Wanted) -> None:
     """What is done while the viewer is open."""
-    from lfr.view.attendance import add_recordings, step_through
+    from lfr.view.interactive import add_recordings, step_through
 
     collection = shown.collection
     if shown.run is not None:

@@ -6,10 +6,10 @@ from dataclasses import replace
 from pathlib import Path
 
 from lfr.errors import LfrError
-from lfr.view.beside import save_beside
 from lfr.view.collection import Collection, collection_of
 from lfr.view.recordings import Wanted, existing, recordings
 from lfr.view.selection import Ranges, Selection
+from lfr.view.side_by_side import save_beside
 
 
 def save_pair(out: Path, path: Path, beside: str, folder: Path, wanted: Wanted) -> None:

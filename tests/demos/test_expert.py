@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from lfr.demos.attempt import AttemptParams, attempt
-from lfr.demos.expert import SHOVE_STEPS, Expert, ExpertParams
+from lfr.demos.expert import PERTURBATION_STEPS, Expert, ExpertParams
 from lfr.robots import ROBOTS
 from lfr.sim.layout import ObservationLayout
 from lfr.sim.simulation import simulation
 from lfr.tasks import TASKS, task
 
-CALM = ExpertParams(noise=0.0, shove=0.0, slip=0.0)
+CALM = ExpertParams(noise=0.0, perturbation=0.0, slip=0.0)
 
 
 def over_the_cube(aperture: float, command: float) -> np.ndarray:
@@ -38,13 +38,13 @@ def test_the_fingers_gap_tells_what_is_held(
     assert action[6] == gripper
 
 
-def test_a_shove_is_one_push_of_some_steps_and_the_label_stays_clean() -> None:
+def test_a_perturbation_is_one_push_of_some_steps_and_the_label_stays_clean() -> None:
     layout = ObservationLayout.of(task("lift"))
-    expert = Expert("lift", layout, ExpertParams(noise=0.0, slip=0.0, shove=1.0))
+    expert = Expert("lift", layout, ExpertParams(noise=0.0, slip=0.0, perturbation=1.0))
     clean = np.zeros(7)
     rng = np.random.default_rng(0)
-    pushes = np.array([expert.execute(clean, rng) for _ in range(2 * SHOVE_STEPS)])
-    first, second = pushes[:SHOVE_STEPS], pushes[SHOVE_STEPS:]
+    pushes = np.array([expert.execute(clean, rng) for _ in range(2 * PERTURBATION_STEPS)])
+    first, second = pushes[:PERTURBATION_STEPS], pushes[PERTURBATION_STEPS:]
     assert np.ptp(first, axis=0).max() == 0.0
     assert np.abs(first[0, :6]).min() > 0.0
     assert not np.allclose(first[0], second[0])

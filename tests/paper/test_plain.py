@@ -66,7 +66,7 @@ def test_the_main_jobs_sections_hold_where_plain_says_nothing(project: Path) -> 
     record = plain_section(RecordParams, "record")
     assert (record.episodes, record.camera) == (7, None)
     assert (record.attempt.expert.gain, record.attempt.expert.noise) == (5.0, 0.0)
-    assert record.attempt.expert.shove == RecordParams().attempt.expert.shove
+    assert record.attempt.expert.perturbation == RecordParams().attempt.expert.perturbation
     assert record.attempt.drift.steps == 0
     skills = plain_section(SkillsParams, "skills")
     assert (skills.held_out, skills.vae.latent_dim, skills.vae.hidden) == (0.2, 10, 32)
@@ -123,7 +123,8 @@ def test_nothing_else_is_changed(monkeypatch: pytest.MonkeyPatch) -> None:
         for name in _differing(read_section(cls, section), plain_section(cls, section), section)
     }
     assert changed == {
-        "record.attempt.expert.noise", "record.attempt.expert.shove", "record.attempt.expert.slip",
+        "record.attempt.expert.noise", "record.attempt.expert.perturbation",
+        "record.attempt.expert.slip",
         "record.attempt.drift.steps", "record.camera",
         "skills.vae.execute", "skills.vae.latent_dim", "skills.vae.augment",
         "skills.prior.input_noise", "skills.prior.symmetry.copies",

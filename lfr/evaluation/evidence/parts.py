@@ -14,7 +14,7 @@ from lfr.evaluation.tables import markdown
 
 TITLE = "Which part of the choices"
 PARTS = {
-    "demonstrations": "noise, shoves and slips while the demonstrator acts, drifted starts",
+    "demonstrations": "noise, pushes and slips while the demonstrator acts, drifted starts",
     "execute": "how much of a skill is carried out before the next one",
     "vae": "the size of the latent space, augmented windows",
     "prior": "blurred inputs, moved copies of the demonstrations",

@@ -10,7 +10,7 @@ from lfr.skills.artifacts import load_prior, load_vae
 from lfr.transfer.methods.start import Start, TrainedModels, start_from
 from lfr.transfer.params import TransferParams
 from lfr.transfer.policy import IdentityMap
-from lfr.transfer.sighted import sighted
+from lfr.transfer.residual_prior import residual_prior
 
 
 def only(task: str) -> Callable[[TrainedModels, TransferParams], Start]:
@@ -34,5 +34,7 @@ def wrong_task(models: TrainedModels, params: TransferParams) -> Start:
     """The source's prior of another task, mapped: what is it worth to know the right one?"""
     prior = load_other_task(models.variant("wrong_task") / "prior")
     reference, vae = models.source_prior(), models.target_vae()
-    pi = sighted(prior, reference)  # what the wrong task has not, the policy sees all the same
+    pi = residual_prior(
+        prior, reference
+    )  # what the wrong task has not, the policy sees all the same
     return start_from(prior, models.generator(), vae, params, reference, pi)

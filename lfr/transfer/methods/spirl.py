@@ -9,7 +9,7 @@ from lfr.ablations.other_task import load_other_task
 from lfr.transfer.methods.start import Start, TrainedModels, new_pi, start_from
 from lfr.transfer.params import TransferParams
 from lfr.transfer.policy import IdentityMap, StandardNormal
-from lfr.transfer.sighted import sighted
+from lfr.transfer.residual_prior import residual_prior
 
 
 def spirl(models: TrainedModels, params: TransferParams) -> Start:
@@ -19,7 +19,9 @@ def spirl(models: TrainedModels, params: TransferParams) -> Start:
     """
     prior = load_other_task(models.variant("any_task") / "prior")
     reference, vae = models.source_prior(), models.target_vae()
-    return start_from(prior, IdentityMap(), vae, params, reference, sighted(prior, reference))
+    return start_from(
+        prior, IdentityMap(), vae, params, reference, residual_prior(prior, reference)
+    )
 
 
 def spirl_no_prior(models: TrainedModels, params: TransferParams) -> Start:

@@ -12,7 +12,7 @@ from lfr.skills.prior import Normalizer, SkillPrior
 from lfr.skills.vae import LOG_SIGMA_RANGE
 
 
-class SightedPolicy(nn.Module):
+class ResidualPriorPolicy(nn.Module):
     """Observations (B, D) to (mu, log_sigma), (B, Z) each: a prior with all of D beside its inputs.
 
     What the prior is not asked about enters its first layer by weights of their own, which begin
@@ -50,10 +50,10 @@ class SightedPolicy(nn.Module):
 
 
 @torch.no_grad()
-def sighted(prior: OtherTaskPrior, reference: SkillPrior) -> SightedPolicy:
+def residual_prior(prior: OtherTaskPrior, reference: SkillPrior) -> ResidualPriorPolicy:
     """A policy that begins as ``prior``; it sees the rest in the units of ``reference``."""
     shape = (prior.layout_names, prior.inner_names, prior.columns, prior.latent_dim)
-    policy = SightedPolicy(*shape, prior.hidden, prior.layers)
+    policy = ResidualPriorPolicy(*shape, prior.hidden, prior.layers)
     policy.prior.load_state_dict(prior.state_dict())
     policy.normalizer.load_state_dict(reference.normalizer.state_dict())
     return policy

@@ -30,11 +30,11 @@ PUCK: dict[str, Any] = {
     "action": {"dtype": "float32", "shape": (4,), "names": None},
 }
 
-BROUGHT = """
-brought:
+EXTERNAL = """
+external:
   arms:
     crane:
-      path: data/brought/crane
+      path: data/external/crane
       fps: 10
       robot_type: crane
       observation:
@@ -51,8 +51,8 @@ brought:
         - {column: observation.state, names: [hand.x, hand.y, goal.x, goal.y]}
       action: {column: action}
       tasks:
-        push: {path: data/brought/puck-push}
-        pull: {path: data/brought/puck-pull}
+        push: {path: data/external/puck-push}
+        pull: {path: data/external/puck-pull}
   scenarios:
     plane: {common: [push, pull], arms: [crane, puck], new: {puck: park}}
   transfers: [plane-puck-park]

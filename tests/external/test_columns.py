@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from lerobot.datasets import LeRobotDataset
 
-from lfr.brought import brought
 from lfr.cli import main
-from lfr.data.brought import read_brought
+from lfr.data.external import read_external
+from lfr.external import external
 
 from . import made_up
 
@@ -31,10 +31,10 @@ def test_an_entry_reads_the_dataset_as_it_stands(
     entry = printed(datasets / "crane", capsys)
     params = tmp_path / "params.yaml"
     indented = "".join(f"    {line}\n" for line in entry.splitlines())
-    params.write_text(f"brought:\n  arms:\n{indented}")
-    arm = brought(params).arms["crane"]
+    params.write_text(f"external:\n  arms:\n{indented}")
+    arm = external(params).arms["crane"]
     assert set(arm.tasks) == {"push_it", "pull_it", "park_it"}
-    found = read_brought(arm, "park_it")
+    found = read_external(arm, "park_it")
     oracle = LeRobotDataset("theirs/crane", root=datasets / "crane")
     rows = [oracle[i] for i in range(len(oracle)) if oracle[i]["task"] == "park it"]
     actions = np.array([row["action"].numpy() for row in rows])

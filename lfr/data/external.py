@@ -6,18 +6,18 @@ from pathlib import Path
 
 import numpy as np
 
-from lfr.brought import BroughtArm
 from lfr.data.checks import check_dataset
 from lfr.data.episode import Feature
 from lfr.data.selection import Selection, select
 from lfr.data.tables import DatasetFiles
 from lfr.data.windows import DemonstrationSet, read_dataset
 from lfr.errors import DataError
+from lfr.external import ExternalArm
 
 TOLERANCE = 1e-3  # of an action beyond [-1, 1]: bounds that were copied with four digits
 
 
-def read_brought(arm: BroughtArm, task: str) -> DemonstrationSet:
+def read_external(arm: ExternalArm, task: str) -> DemonstrationSet:
     """An arm's demonstrations of one task.
 
     Raises:
@@ -35,7 +35,7 @@ def read_brought(arm: BroughtArm, task: str) -> DemonstrationSet:
     return found
 
 
-def selected(arm: BroughtArm, task: str) -> Selection:
+def selected(arm: ExternalArm, task: str) -> Selection:
     """What a task's dataset gives as observation and action, by its metadata alone.
 
     Raises:

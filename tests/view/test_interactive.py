@@ -10,7 +10,7 @@ import pytest
 from rerun.experimental import RrdReader
 
 from lfr.errors import DataError
-from lfr.view.attendance import add_recordings, neighbour, step_through
+from lfr.view.interactive import add_recordings, neighbour, step_through
 from lfr.view.viewer import ADDRESS, Viewer, executable, free_port
 
 from . import rrd

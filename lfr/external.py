@@ -1,4 +1,4 @@
-"""Arms that this project does not simulate: section ``brought`` of params.yaml.
+"""Arms that this project does not simulate: section ``external`` of params.yaml.
 
 Each is known by LeRobot datasets alone. Skill models and mappings are learned from these; what
 needs a simulator, such as success rates and transfer learning, is left out.
@@ -16,11 +16,11 @@ from lfr.errors import UnknownNameError
 from lfr.params import PARAMS, from_mapping, read_yaml
 from lfr.robots import ROBOTS
 
-SECTION = "brought"
+SECTION = "external"
 
 
 @dataclass(frozen=True)
-class BroughtTask:
+class ExternalTask:
     """An arm's demonstrations of one task.
 
     Attributes:
@@ -35,7 +35,7 @@ class BroughtTask:
 
 
 @dataclass(frozen=True)
-class BroughtArm:
+class ExternalArm:
     """An arm by its LeRobot v3.0 datasets.
 
     Attributes:
@@ -50,7 +50,7 @@ class BroughtArm:
     """
 
     fps: int
-    tasks: dict[str, BroughtTask]
+    tasks: dict[str, ExternalTask]
     observation: tuple[Part, ...] = ()
     action: ActionPart = field(default_factory=ActionPart)
     path: Path | None = None
@@ -77,15 +77,15 @@ class BroughtArm:
         """Which episodes of the dataset are of this task; None: all."""
         return self._task(task).instruction
 
-    def _task(self, name: str) -> BroughtTask:
+    def _task(self, name: str) -> ExternalTask:
         if name not in self.tasks:
             raise UnknownNameError("task", name, self.tasks)
         return self.tasks[name]
 
 
 @dataclass(frozen=True)
-class Brought:
-    """Section ``brought`` of params.yaml.
+class External:
+    """Section ``external`` of params.yaml.
 
     Attributes:
         arms: by name.
@@ -93,7 +93,7 @@ class Brought:
         transfers: those whose skill models and mapping the pipeline trains.
     """
 
-    arms: dict[str, BroughtArm] = field(default_factory=dict)
+    arms: dict[str, ExternalArm] = field(default_factory=dict)
     scenarios: dict[str, Any] = field(default_factory=dict)
     transfers: tuple[str, ...] = ()
 
@@ -106,7 +106,7 @@ class Brought:
             )
 
 
-def brought(path: Path = PARAMS) -> Brought:
+def external(path: Path = PARAMS) -> External:
     """The section as it stands in a YAML file; empty where there is none.
 
     Raises:
@@ -114,11 +114,11 @@ def brought(path: Path = PARAMS) -> Brought:
     """
     section = read_yaml(path).get(SECTION)
     if section is None:
-        return Brought()
-    return from_mapping(Brought, section, f"{path}: {SECTION}")
+        return External()
+    return from_mapping(External, section, f"{path}: {SECTION}")
 
 
-def brought_arms(robots: Iterable[str], path: Path = PARAMS) -> dict[str, BroughtArm]:
-    """Those of ``robots`` that are brought, by name."""
-    known = brought(path).arms
+def external_arms(robots: Iterable[str], path: Path = PARAMS) -> dict[str, ExternalArm]:
+    """Those of ``robots`` that are external, by name."""
+    known = external(path).arms
     return {robot: known[robot] for robot in robots if robot in known}

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from lfr.errors import DataError
 from lfr.view import series
-from lfr.view.beside_layout import Side, beside_blueprint
 from lfr.view.collection import arrange
 from lfr.view.eye import eye_on
+from lfr.view.side_by_side_layout import Side, beside_blueprint
 
 if TYPE_CHECKING:
     from rerun.experimental import Chunk

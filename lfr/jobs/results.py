@@ -1,4 +1,4 @@
-"""How far the jobs are: what they report from inside, and what they brought back."""
+"""How far the jobs are: what they report from inside, and what they gave."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def listening(send: Send) -> Iterator[None]:
         _listener.reset(token)
 
 
-class Tally:
+class Results:
     """Moves the bar by the sum of all jobs' fractions and hands finished results on."""
 
     def __init__(self, bar: tqdm, keep: Callable[[int, Any], None]) -> None:

@@ -1,4 +1,4 @@
-"""The stages skills and mapping on two brought arms, without a simulator, and what they give."""
+"""The stages skills and mapping on two external arms, without a simulator, and what they give."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from lfr.artifacts import read_json
-from lfr.brought import brought
 from lfr.errors import LfrError
+from lfr.external import external
 from lfr.hub.model_card import model_card
 from lfr.hub.model_facts import read_models
 from lfr.mapping.artifacts import load_generator, load_mapping_seen
@@ -33,13 +33,13 @@ mapping: {hidden: 64, steps: 1500, batch: 64, posterior_share: 0.25}
 """
 
 
-def params(text: str = made_up.BROUGHT) -> str:
+def params(text: str = made_up.EXTERNAL) -> str:
     """The tiny parameters with these arms and networks that can learn something."""
     tiny = tiny_project.ROOT.joinpath("tests/tiny_params.yaml").read_text()
     kept, skip = [], False
     for line in tiny.splitlines(keepends=True):
         if not line.startswith((" ", "#")):
-            skip = line.split(":")[0] in ("brought", "skills", "mapping")
+            skip = line.split(":")[0] in ("external", "skills", "mapping")
         if not skip:
             kept.append(line)
     return "".join(kept) + SIZES + text
@@ -49,7 +49,7 @@ def params(text: str = made_up.BROUGHT) -> str:
 def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder after both stages, each a process that cannot import a simulator."""
     folder = tmp_path_factory.mktemp("theirs")
-    made_up.write_both(folder / "data/brought", episodes=12)
+    made_up.write_both(folder / "data/external", episodes=12)
     (folder / "params.yaml").write_text(params())
     for stage in ("skills", "mapping"):
         code = (
@@ -65,7 +65,7 @@ def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_the_leak_rule_holds_for_brought_arms(project: Path) -> None:
+def test_the_leak_rule_holds_for_external_arms(project: Path) -> None:
     skills = project / "models/skills" / NAME
     seen = {role: load_seen(skills / role / "vae") for role in ("source", "target")}
     assert seen["source"].tasks == ("push", "pull", "park")
@@ -118,7 +118,7 @@ def test_cards_claim_no_simulation(project: Path) -> None:
         assert "robosuite" not in text
         assert "license:" not in text
         assert "imulated" not in text
-        assert f"dvc repro brought-{stage}@{NAME}" in text
+        assert f"dvc repro external-{stage}@{NAME}" in text
         assert words in text
 
 
@@ -136,10 +136,10 @@ def test_arms_that_observe_different_things_are_refused_before_training(
     monkeypatch.chdir(project)
     for (old, new), message in changes.values():
         changed = tmp_path / "params.yaml"
-        assert old in made_up.BROUGHT
-        changed.write_text(params(made_up.BROUGHT.replace(old, new, 1)))
+        assert old in made_up.EXTERNAL
+        changed.write_text(params(made_up.EXTERNAL.replace(old, new, 1)))
         with pytest.raises(LfrError, match=message):
-            check_arms(scenario("plane", changed), brought(changed).arms)
+            check_arms(scenario("plane", changed), external(changed).arms)
 
 
 @pytest.mark.parametrize(
@@ -150,15 +150,15 @@ def test_arms_that_observe_different_things_are_refused_before_training(
         ("arms: [crane, puck], ", "", "found 1 robots under 'new', expected two"),
         ("new: {puck: park}", "new: {}", "found no robot under 'new', expected one of crane, puck"),
         ("new: {puck: park}", "new: {crane: lift}", "unknown task of puck 'lift'"),
-        ("    plane: {", "    s1: {", "s1 under 'scenarios' and under 'brought'"),
+        ("    plane: {", "    s1: {", "s1 under 'scenarios' and under 'external'"),
     ],
 )
-def test_a_scenario_of_brought_arms_that_cannot_be(
+def test_a_scenario_of_external_arms_that_cannot_be(
     tmp_path: Path, old: str, new: str, message: str
 ) -> None:
     path = tmp_path / "params.yaml"
-    assert old in made_up.BROUGHT
-    path.write_text(params(made_up.BROUGHT.replace(old, new)))
+    assert old in made_up.EXTERNAL
+    path.write_text(params(made_up.EXTERNAL.replace(old, new)))
     with pytest.raises(LfrError, match=message):
         transfer(NAME, path)
 
@@ -169,7 +169,7 @@ def test_dvc_runs_them_and_nothing_else(project: Path, tmp_path: Path) -> None:
     for name in ("data", "results", "models", "work"):
         if (project / name).exists():
             (folder / name).symlink_to(project / name)
-    planned = tiny_project.run(folder, "dvc", "repro", "--dry", f"brought-mapping@{NAME}").stdout
+    planned = tiny_project.run(folder, "dvc", "repro", "--dry", f"external-mapping@{NAME}").stdout
     assert f"pipeline.skills --transfer {NAME}" in planned
     assert f"pipeline.mapping --transfer {NAME}" in planned
     assert "pipeline.record" not in planned

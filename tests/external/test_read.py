@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from lerobot.datasets import LeRobotDataset
 
-from lfr.brought import BroughtArm, brought
-from lfr.data.brought import read_brought
+from lfr.data.external import read_external
 from lfr.errors import LfrError
+from lfr.external import ExternalArm, external
 
 from . import made_up
 
@@ -16,21 +16,21 @@ from . import made_up
 @pytest.fixture(scope="module")
 def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with the datasets and params.yaml; do not write to it."""
-    folder = tmp_path_factory.mktemp("brought")
-    made_up.write_both(folder / "data/brought", episodes=2)
-    (folder / "params.yaml").write_text(made_up.BROUGHT)
+    folder = tmp_path_factory.mktemp("external")
+    made_up.write_both(folder / "data/external", episodes=2)
+    (folder / "params.yaml").write_text(made_up.EXTERNAL)
     return folder
 
 
-def arm(name: str, *changes: tuple[str, str]) -> BroughtArm:
+def arm(name: str, *changes: tuple[str, str]) -> ExternalArm:
     """An arm of params.yaml in the present folder, after changes to its text."""
-    text = made_up.BROUGHT
+    text = made_up.EXTERNAL
     for old, new in changes:
         assert old in text
         text = text.replace(old, new, 1)
     changed = Path.cwd() / "changed.yaml"
     changed.write_text(text)
-    return brought(changed).arms[name]
+    return external(changed).arms[name]
 
 
 @pytest.fixture(autouse=True)
@@ -39,8 +39,8 @@ def there(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_one_task_of_a_dataset_with_dimensions_reordered_and_scaled() -> None:
-    found = read_brought(arm("crane"), "pull")
-    oracle = LeRobotDataset("theirs/crane", root="data/brought/crane")
+    found = read_external(arm("crane"), "pull")
+    oracle = LeRobotDataset("theirs/crane", root="data/external/crane")
     rows = [oracle[i] for i in range(len(oracle)) if oracle[i]["task"] == "pull it"]
     state, goal, action = (
         np.array([row[key].numpy() for row in rows])
@@ -64,8 +64,8 @@ def test_one_task_of_a_dataset_with_dimensions_reordered_and_scaled() -> None:
 
 
 def test_a_dataset_without_names_or_instruction() -> None:
-    found = read_brought(arm("puck"), "push")
-    oracle = LeRobotDataset("theirs/puck-push", root="data/brought/puck-push")
+    found = read_external(arm("puck"), "push")
+    oracle = LeRobotDataset("theirs/puck-push", root="data/external/puck-push")
     actions = np.array([oracle[i]["action"].numpy() for i in range(len(oracle))])
     np.testing.assert_array_equal(found.actions, actions)  # bounds of -1 and 1 change no bit
     assert found.action_space.names == tuple(f"action.{i}" for i in range(4))
@@ -90,7 +90,7 @@ def test_a_dataset_without_names_or_instruction() -> None:
         ("crane", ("robot_type: crane", "robot_type: digger"), "another robot.*found crane"),
         ("crane", ("instruction: pull it", "instruction: Pull it"),
          "no episode is of this task.*found 'park it', 'pull it', 'push it', expected 'Pull it'"),
-        ("crane", ("path: data/brought/crane", "path: data/brought/none"), "no such dataset"),
+        ("crane", ("path: data/external/crane", "path: data/external/none"), "no such dataset"),
         ("crane", ("column: action,", "column: timestamp,"), "under 'low'.*found 3, expected 1"),
     ],
 )  # fmt: skip
@@ -98,7 +98,7 @@ def test_what_is_missing_or_odd_is_named_in_one_line(
     name: str, change: tuple[str, str], message: str
 ) -> None:
     with pytest.raises(LfrError, match=message) as caught:
-        read_brought(arm(name, change), "pull")
+        read_external(arm(name, change), "pull")
     assert "\n" not in str(caught.value)
 
 
@@ -108,8 +108,8 @@ def test_what_is_missing_or_odd_is_named_in_one_line(
         (("    crane:\n", "    panda:\n"), "panda is an arm that this project simulates"),
         (("unit: 1000", "unit: 0"), r"observation\[0\].*unit must be above 0"),
         (("dims: [x_mm, y_mm]", "dims: [x_mm]"), "found 2 names for 1 dims"),
-        (("path: data/brought/crane\n", "robot: x\n"), "unknown parameter 'robot'; valid: fps"),
-        (("{path: data/brought/puck-push}", "{}"), "puck: no path for task 'push'"),
+        (("path: data/external/crane\n", "robot: x\n"), "unknown parameter 'robot'; valid: fps"),
+        (("{path: data/external/puck-push}", "{}"), "puck: no path for task 'push'"),
         (("fps: 10\n      robot_type", "robot_type"), "parameter 'fps' is missing"),
     ],
 )
