@@ -21,7 +21,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from lfr.jobs.tally import Tally
+from lfr.jobs.results import Tally
 
 from benchmarks._datasets import Size, as_of_robot, scratch, write_dataset
 from benchmarks._figures import FOLDER, Figure, show, within, write

@@ -210,7 +210,7 @@ def test_readme_names_every_transfer() -> None:
 
 def test_data_names_every_feature_topic_and_group() -> None:
     from lfr.data import messages
-    from lfr.sim.layout import STATE_NAMES
+    from lfr.spaces import ROBOT_STATE
 
     text = (ROOT / "docs" / "data.md").read_text()
     topics = [
@@ -218,7 +218,7 @@ def test_data_names_every_feature_topic_and_group() -> None:
         if name.isupper() and isinstance(value, str) and value.startswith("/")
     ]  # fmt: skip
     groups = {group for task in TASKS.values() for group, _ in task.environment}
-    state = {name.split(".")[0] for name in STATE_NAMES}
+    state = {name.split(".")[0] for name in ROBOT_STATE.names}
     needed = {*(f.key for f in FEATURES), IMAGES, *topics, *groups, *state, *TASKS}
     assert len(topics) > 5
     assert sorted(name for name in needed if name not in text) == []

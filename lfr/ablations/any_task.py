@@ -16,17 +16,17 @@ from torch import Tensor
 from lfr.ablations.other_task import asked_about, counterparts, save_other_task
 from lfr.artifacts import fingerprint
 from lfr.scenarios import Scenario, Transfer
-from lfr.sim.layout import STATE_NAMES, ObservationLayout
 from lfr.skills.artifacts import Seen, load_vae
 from lfr.skills.demonstrations import DATASETS, balanced, read_visible
 from lfr.skills.params import PriorParams
 from lfr.skills.training import train_prior
+from lfr.spaces import ROBOT_STATE
 from lfr.tasks import XYZ, Task
 from lfr.tasks import task as task_named
 
 OBJECT = "object"
 ANY_TASK_NAMES: tuple[str, ...] = (
-    *STATE_NAMES,
+    *ROBOT_STATE.names,
     *(f"{OBJECT}_{q}.{axis}" for q in ("pos", "up", "to_eef") for axis in XYZ),
 )
 """What is observed in all tasks: `observation.state`, and the manipulated object."""
@@ -58,7 +58,7 @@ def manipulated(task: Task) -> str:
 
 def any_task_places(task: Task) -> tuple[int, ...]:
     """Where each of `ANY_TASK_NAMES` stands in a task's observation."""
-    names = ObservationLayout.of(task).names
+    names = task.observation.names
     return counterparts(ANY_TASK_NAMES, OBJECT, names, manipulated(task))
 
 
@@ -80,7 +80,7 @@ def fit_any_task(job: AnyTaskJob) -> dict[str, Any]:
     actions = actions.reshape(len(actions), vae.horizon, vae.action_dim)
     inner = train_prior(vae, observations, actions, ANY_TASK_NAMES, job.params, seed)
     new = task_named(transfer.task)
-    prior = asked_about(inner, OBJECT, ObservationLayout.of(new).names, manipulated(new))
+    prior = asked_about(inner, OBJECT, new.observation.names, manipulated(new))
     digests = {one.dataset: one.digest for one in known.values()}
     seen = Seen(job.scenario.name, transfer.target, "target", tuple(known), digests, seed,
                 known[transfer.common[0]].actions)  # fmt: skip

@@ -9,7 +9,6 @@ from typing import Any
 from lfr.ablations.any_task import manipulated
 from lfr.ablations.other_task import asked_about, save_other_task
 from lfr.scenarios import Transfer
-from lfr.sim.layout import ObservationLayout
 from lfr.skills.artifacts import load_prior, load_seen
 from lfr.tasks import task as task_named
 
@@ -32,8 +31,8 @@ def make_wrong_task(job: WrongTaskJob) -> dict[str, Any]:
     """Save the prior of the first common task so that it answers the new task's observations."""
     wrong, new = task_named(job.transfer.common[0]), task_named(job.transfer.task)
     folder = Path(job.skills) / "source" / f"prior-{wrong.name}"
-    inner = load_prior(folder, ObservationLayout.of(wrong).names)
-    names = ObservationLayout.of(new).names
+    inner = load_prior(folder, wrong.observation.names)
+    names = new.observation.names
     prior = asked_about(inner, manipulated(wrong), names, manipulated(new))
     save_other_task(Path(job.folder) / "prior", prior, load_seen(folder))
     lacking = [name for name, c in zip(prior.inner_names, prior.columns, strict=True) if c < 0]

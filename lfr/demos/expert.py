@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lfr.demos.waypoints import WAYPOINTS
-from lfr.sim.layout import ObservationLayout
+from lfr.spaces import Space
 
 # The controller's action of 1 moves its goal by this much: OSC_POSE's output_max in robosuite.
 METRES_PER_ACTION = 0.05
@@ -45,7 +45,7 @@ class Expert:
     hand slips, so that a missed grasp and a lost object have been seen and mended.
     """
 
-    def __init__(self, task: str, layout: ObservationLayout, params: ExpertParams) -> None:
+    def __init__(self, task: str, layout: Space, params: ExpertParams) -> None:
         self.waypoint = WAYPOINTS[task]
         self.params = params
         groups = dict.fromkeys(name.split(".")[0] for name in layout.names)

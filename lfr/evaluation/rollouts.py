@@ -8,7 +8,8 @@ from typing import Protocol
 
 import numpy as np
 
-from lfr.sim.layout import ObservationLayout, Steps
+from lfr.sim.steps import Steps
+from lfr.spaces import Space
 from lfr.tasks import Task
 
 
@@ -22,7 +23,7 @@ class Judge(Protocol):
     """What an episode needs of `lfr.sim.simulation.Simulation` or of its stock counterpart."""
 
     task: Task
-    layout: ObservationLayout
+    layout: Space
     horizon: int
 
     def reset(self, seed: int) -> np.ndarray: ...

@@ -15,8 +15,8 @@ from lfr.imitation.artifacts import save_policy
 from lfr.imitation.params import ImitationParams
 from lfr.imitation.training import log_likelihood, train_bc
 from lfr.scenarios import Scenario, check_visible
-from lfr.sim.layout import ObservationLayout
 from lfr.skills.artifacts import Seen
+from lfr.spaces import ROBOT_STATE
 from lfr.tasks import task as task_named
 
 
@@ -85,8 +85,7 @@ def read_recorded(path: Path, robot: str, task: str) -> DemonstrationSet:
     Raises:
         DataError: it is missing or not what training needs.
     """
-    layout = ObservationLayout.of(task_named(task))
-    expected = features(layout.state_names, layout.environment_names)
+    expected = features(ROBOT_STATE.names, task_named(task).environment.names)
     # Joint names differ by robot, and nothing here learns from them.
     needed = {key: feature for key, feature in expected.items() if key != JOINT_POSITION}
     check_dataset(path, features=needed, fps=FPS, robot=robot, task=task)

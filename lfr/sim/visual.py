@@ -19,13 +19,13 @@ GROUP, OUT_OF_SIGHT = 1, 5
 _ROBOT = ("robot0_", "gripper0_", "fixed_mount0_")
 
 
-def visual_model(robot: str, task: str) -> Any:
+def visual_model(embodiment: str, task: str) -> Any:
     """robosuite's model with its visual geoms, without the objects that it parks elsewhere.
 
     Raises:
-        UnknownNameError: unknown robot or task.
+        UnknownNameError: unknown embodiment or task.
     """
-    environment = make_stock_environment(robot, task, hard_reset=False)
+    environment = make_stock_environment(embodiment, task, hard_reset=False)
     spec = mujoco.MjSpec.from_string(environment.edit_model_xml(environment.model.get_xml()))
     for name in lfr.tasks.task(task).unused_objects:
         spec.delete(spec.body(name))

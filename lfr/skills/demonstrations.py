@@ -18,7 +18,7 @@ from lfr.data.windows import DemonstrationSet, WindowBatch, Windows, read_datase
 from lfr.errors import DataError
 from lfr.external import ExternalArm
 from lfr.scenarios import Role, Scenario, check_visible
-from lfr.sim.layout import ObservationLayout
+from lfr.spaces import ROBOT_STATE
 from lfr.tasks import task as task_named
 
 DATASETS = Path("data/lerobot")
@@ -117,8 +117,7 @@ def read_demonstrations(
 
 
 def _read_recorded(path: Path, robot: str, task: str) -> DemonstrationSet:
-    layout = ObservationLayout.of(task_named(task))
-    expected = features(layout.state_names, layout.environment_names)
+    expected = features(ROBOT_STATE.names, task_named(task).environment.names)
     # Joint names differ by robot, and nothing here learns from them.
     needed = {key: f for key, f in expected.items() if key != JOINT_POSITION}
     check_dataset(path, features=needed, fps=FPS, robot=robot, task=task)

@@ -78,7 +78,7 @@ def move_actions(actions: Tensor, motion: SceneMotion) -> Tensor:
 
 
 def move_observations(observations: Tensor, names: Sequence[str], motion: SceneMotion) -> Tensor:
-    """Observations (B, D), named as by `lfr.sim.layout.ObservationLayout`, in the moved scene.
+    """Observations (B, D), named as by `lfr.sim.layout.Space`, in the moved scene.
 
     Raises:
         LfrError: a quantity whose behaviour under motion is not known by its name.

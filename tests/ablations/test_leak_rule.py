@@ -16,7 +16,7 @@ from lfr.columns import ActionSpace
 from lfr.data.windows import WindowBatch
 from lfr.errors import LfrError
 from lfr.scenarios import Scenario, check_visible, transfers_of
-from lfr.sim.layout import ObservationLayout
+from lfr.spaces import Space
 from lfr.skills.artifacts import Seen, load_prior, load_seen, load_vae, save_vae
 from lfr.skills.demonstrations import Demonstrations
 from lfr.skills.params import PriorParams, SkillsParams, VAEParams
@@ -32,7 +32,7 @@ PARAMS = SkillsParams(VAEParams(horizon=4, latent_dim=3, hidden=8, steps=2, batc
 
 
 def made_up(robot: str, task: str) -> Demonstrations:
-    names = ObservationLayout.of(task_named(task)).names
+    names = task_named(task).observation.names
     actions = ActionSpace(ACTION_NAMES, (-1.0,) * 7, (1.0,) * 7)
     batch = WindowBatch(torch.rand(9, len(names)), torch.rand(9, 4, 7), torch.zeros(9, 4) > 0)
     name = f"{robot}-{task}"
@@ -91,7 +91,7 @@ def test_the_prior_of_any_task_sees_the_targets_common_tasks(
     fit_any_task(AnyTaskJob(SCENARIO, TRANSFER, PRIOR, 0.1, 0, str(skills), str(tmp_path)))
     assert read == [("target", "panda", "pick_place"), ("target", "panda", "nut_assembly")]
     prior = load_other_task(tmp_path / "prior")
-    assert prior.layout_names == ObservationLayout.of(task_named("lift")).names
+    assert prior.layout_names == task_named("lift").observation.names
     assert all(column >= 0 for column in prior.columns)
     mu, _ = prior(torch.rand(5, len(prior.layout_names)))
     assert mu.shape == (5, 3)

@@ -16,14 +16,14 @@ from lfr.mapping.generator import Generator
 from lfr.mapping.models import Material, mapping_job
 from lfr.mapping.training import CommonTask, MappingParams, paired, train_mapping
 from lfr.scenarios import Scenario, transfers_of
-from lfr.sim.layout import ObservationLayout
+from lfr.spaces import Space
 from lfr.skills.prior import SkillPrior
 from lfr.skills.symmetry import SymmetryParams
 from lfr.skills.vae import SkillVAE
 from lfr.tasks import task
 
 Z = 3
-NAMES = ObservationLayout.of(task("lift")).names
+NAMES = task("lift").observation.names
 STILL = MappingParams(
     hidden=32, steps=300, batch=64, learning_rate=3e-3, symmetry=SymmetryParams(copies=0),
     posterior_share=0.5,

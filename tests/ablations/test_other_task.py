@@ -19,7 +19,7 @@ from lfr.ablations.other_task import (
     save_other_task,
 )
 from lfr.errors import DataError
-from lfr.sim.layout import STATE_NAMES, ObservationLayout
+from lfr.spaces import ROBOT_STATE, Space
 from lfr.skills.artifacts import Seen, load_prior
 from lfr.skills.prior import SkillPrior
 from lfr.tasks import TASKS, task
@@ -44,7 +44,7 @@ STACK_IN_CAN = {
 
 
 def names(of: str) -> tuple[str, ...]:
-    return ObservationLayout.of(task(of)).names
+    return task(of).observation.names
 
 
 def found(inner: str, new: str) -> dict[str, str | None]:
@@ -85,7 +85,7 @@ def asked(inner: str, new: str) -> OtherTaskPrior:
 def test_counterparts_by_hand(inner: str, new: str, groups: dict[str, str]) -> None:
     for name, other in found(inner, new).items():
         group, _, part = name.partition(".")
-        if name in STATE_NAMES:
+        if name in ROBOT_STATE.names:
             assert other == name
         elif group in groups:
             assert other == f"{groups[group]}.{part}"
@@ -98,7 +98,7 @@ def test_every_pair_of_tasks(inner: str, new: str) -> None:
     columns = found(inner, new)
     known = [other for other in columns.values() if other is not None]
     assert len(known) == len(set(known))  # nothing stands for two things
-    assert all(columns[name] == name for name in STATE_NAMES)
+    assert all(columns[name] == name for name in ROBOT_STATE.names)
     theirs, ours = manipulated(task(inner)), manipulated(task(new))
     for quantity in ("pos", "up", "to_eef"):  # all tasks have these
         for axis in "xyz":
@@ -115,8 +115,8 @@ def test_it_says_what_the_inner_prior_says_of_the_same_scene() -> None:
     inner, other = prior("nut_assembly"), asked("nut_assembly", "stack")
     seen = observations("stack", 6, 5)
     by_hand = inner.normalizer.mean.expand(6, -1).clone()
-    layout = ObservationLayout.of(task("nut_assembly"))
-    there = ObservationLayout.of(task("stack"))
+    layout = task("nut_assembly").observation
+    there = task("stack").observation
     by_hand[:, layout.state] = seen[:, there.state]
     for nut, cube in NUT_IN_STACK.items():
         by_hand[:, layout.slice(nut)] = seen[:, there.slice(cube)]
@@ -161,7 +161,7 @@ def test_saved_and_loaded(tmp_path: Path) -> None:
 def test_what_every_task_has(of: str) -> None:
     places, object_ = any_task_places(task(of)), manipulated(task(of))
     expected = (
-        *STATE_NAMES,
+        *ROBOT_STATE.names,
         *(f"{object_}_{q}.{axis}" for q in ("pos", "up", "to_eef") for axis in "xyz"),
     )
     assert tuple(names(of)[place] for place in places) == expected

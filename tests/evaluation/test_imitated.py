@@ -16,7 +16,7 @@ from lfr.imitation.artifacts import save_policy
 from lfr.imitation.models import ImitationJob
 from lfr.scenarios import Scenario
 from lfr.seeds import use_of_seed
-from lfr.sim.layout import Steps
+from lfr.sim.steps import Steps
 from lfr.skills.artifacts import Seen
 from tests.evaluation.test_trials import Line
 from tests.imitation.made_up import SMALL, network

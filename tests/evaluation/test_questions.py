@@ -15,7 +15,7 @@ from lfr.evaluation.trials import Trial
 from lfr.mapping.artifacts import MappingSeen, save_generator
 from lfr.mapping.generator import Generator
 from lfr.scenarios import Scenario, transfers_of
-from lfr.sim.layout import ObservationLayout
+from lfr.spaces import Space
 from lfr.skills.artifacts import Seen, save_prior, save_vae
 from lfr.skills.policy import SkillPolicy
 from lfr.skills.prior import SkillPrior
@@ -25,11 +25,11 @@ from lfr.tasks import task
 SCENARIO = Scenario("s1", ("pick_place", "nut_assembly"), {"panda": "lift", "sawyer": "stack"})
 TRANSFER = transfers_of(SCENARIO)[0]  # lift from sawyer to panda
 SEEN = Seen("s1", "sawyer", "source", ("lift",), {}, 0)
-LIFT = ObservationLayout.of(task("lift")).names
+LIFT = task("lift").observation.names
 
 
 def prior(of: str = "lift") -> SkillPrior:
-    return SkillPrior(ObservationLayout.of(task(of)).names, 3, hidden=4, layers=1)
+    return SkillPrior(task(of).observation.names, 3, hidden=4, layers=1)
 
 
 def generator(folder: Path) -> None:

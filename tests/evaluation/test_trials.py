@@ -12,7 +12,7 @@ from lfr.evaluation import trials
 from lfr.evaluation.rollouts import Outcome, roll_out
 from lfr.evaluation.trials import SHARD, Trial, shards_of, success_rates, summary
 from lfr.seeds import use_of_seed
-from lfr.sim.layout import Steps
+from lfr.sim.steps import Steps
 
 
 class Line:

@@ -1,4 +1,4 @@
-"""Operational space control, as robosuite's OSC_POSE computes it, for the compiled kernel.
+"""Operational space control, as robosuite's OSC_POSE computes it, compiled.
 
 O. Khatib, "A unified approach for motion and force control of robot manipulators" (1987), with the
 position and orientation parts decoupled and a joint-space spring in the null space:
@@ -14,46 +14,24 @@ matrices are positive definite, so a Cholesky factor gives the same to rounding,
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lfr.sim.compilation import compiled
-from lfr.sim.libmujoco import Physics
-from lfr.sim.scene import SceneArrays
+from lfr.compiled import compiled
+from lfr.compiled.arrays import Control, Physics, SceneArrays
+from lfr.compiled.linear import factorise, solve
+from lfr.controllers.controller import Controller
+from lfr.controllers.inertia import inertia
+from lfr.robots.robot import Robot
+from lfr.spaces import BASE, Quantity, motion
 
-JOINTS = 7
 KP = 150.0
 KD = 2.0 * math.sqrt(KP)  # damping ratio 1
 POSTURE_KP = 10.0
 POSTURE_KD = 2.0 * math.sqrt(POSTURE_KP)
 POSITION_SCALE = 0.05  # m per unit of action
 ROTATION_SCALE = 0.5  # rad per unit of action
-
-
-class Controller(NamedTuple):
-    """What the controller remembers, and room to compute in."""
-
-    posture: NDArray[np.float64]  # (7,) q_0, target of the null-space spring
-    gripper: NDArray[np.float64]  # (1,) integrated command in [-1, 1], +1 closed
-    goal_position: NDArray[np.float64]  # (3,) x_d, world frame
-    goal_rotation: NDArray[np.float64]  # (3, 3) R_d, world frame
-    jacobian: NDArray[np.float64]  # (6, 7) of the grip site
-    mass: NDArray[np.float64]  # (7, 7) M
-    factor: NDArray[np.float64]  # (7, 7) lower Cholesky factor of M
-    half: NDArray[np.float64]  # (7, 6) factor^-1 J^T, so that J M^-1 J^T = half^T half
-    operational: NDArray[np.float64]  # (6, 6) J M^-1 J^T, then its factor
-    rotational: NDArray[np.float64]  # (3, 3) J_r M^-1 J_r^T, then its factor
-    acceleration: NDArray[np.float64]  # (7,) a
-    wrench: NDArray[np.float64]  # (6,)
-    null_wrench: NDArray[np.float64]  # (6,) Lambda J a
-
-
-def controller() -> Controller:
-    """A controller at rest."""
-    shapes = [7, 1, 3, (3, 3), (6, 7), (7, 7), (7, 7), (7, 6), (6, 6), (3, 3), 7, 6, 6]
-    return Controller(*(np.zeros(shape) for shape in shapes))
 
 
 @compiled
@@ -76,7 +54,7 @@ def rotation_of(rx: float, ry: float, rz: float, out: NDArray[np.float64]) -> No
 
 @compiled
 def set_goal(
-    physics: Physics, scene: SceneArrays, control: Controller, action: NDArray[np.float64]
+    physics: Physics, scene: SceneArrays, control: Control, action: NDArray[np.float64]
 ) -> None:
     """Goal pose from an action's deltas in the base frame, relative to the pose achieved."""
     position, rotation = physics.site_xpos[scene.grip_site], physics.site_xmat[scene.grip_site]
@@ -84,8 +62,7 @@ def set_goal(
     delta = control.rotational  # (3, 3), free until the next torque
     clipped = control.wrench
     for i in range(6):
-        scale = POSITION_SCALE if i < 3 else ROTATION_SCALE
-        clipped[i] = min(max(action[i], -1.0), 1.0) * scale
+        clipped[i] = min(max(action[i], -1.0), 1.0) * scene.action_scale[i]
     rotation_of(clipped[3], clipped[4], clipped[5], delta)
     for i in range(3):
         control.goal_position[i] = position[i]
@@ -104,48 +81,36 @@ def set_goal(
 
 
 @compiled
-def advance_gripper(
-    physics: Physics, scene: SceneArrays, control: Controller, command: float
-) -> None:
-    """Integrate the gripper's command by 0.2 towards its sign and set both actuators."""
-    step = 0.2 if command > 0.0 else (-0.2 if command < 0.0 else 0.0)
-    control.gripper[0] = min(max(control.gripper[0] + step, -1.0), 1.0)
-    for i in range(2):
-        low, high = scene.ctrl_range[JOINTS + i, 0], scene.ctrl_range[JOINTS + i, 1]
-        target = scene.close_signs[i] * control.gripper[0]
-        physics.ctrl[JOINTS + i] = 0.5 * (high + low) + 0.5 * (high - low) * target
-
-
-@compiled
-def set_torques(physics: Physics, scene: SceneArrays, control: Controller) -> None:
+def set_torques(physics: Physics, scene: SceneArrays, control: Control) -> None:
     """Torques of the arm (N m) for the current state and goal, clipped to the actuators' limits."""
     _jacobian(physics, scene, control)
     _operational_inertia(physics, scene, control)
     _wrench(physics, scene, control)
     J, M, a = control.jacobian, control.mass, control.acceleration
-    for j in range(JOINTS):
+    joints = a.shape[0]
+    for j in range(joints):
         a[j] = POSTURE_KP * (control.posture[j] - physics.qpos[j]) - POSTURE_KD * physics.qvel[j]
     for i in range(6):
         control.null_wrench[i] = 0.0
-        for j in range(JOINTS):
+        for j in range(joints):
             control.null_wrench[i] += J[i, j] * a[j]
     # The leading block of the factor of J M^-1 J^T is the factor of J_p M^-1 J_p^T.
-    _solve(control.operational, 6, control.null_wrench, 0)
-    _solve(control.operational, 3, control.wrench, 0)
-    _solve(control.rotational, 3, control.wrench, 3)
-    for j in range(JOINTS):
+    solve(control.operational, 6, control.null_wrench, 0)
+    solve(control.operational, 3, control.wrench, 0)
+    solve(control.rotational, 3, control.wrench, 3)
+    for j in range(joints):
         torque = physics.bias[j]
         for i in range(6):
             torque += J[i, j] * (control.wrench[i] - control.null_wrench[i])
-        for k in range(JOINTS):
+        for k in range(joints):
             torque += M[j, k] * a[k]
         physics.ctrl[j] = min(max(torque, scene.ctrl_range[j, 0]), scene.ctrl_range[j, 1])
 
 
 @compiled
-def _jacobian(physics: Physics, scene: SceneArrays, control: Controller) -> None:
+def _jacobian(physics: Physics, scene: SceneArrays, control: Control) -> None:
     position, J = physics.site_xpos[scene.grip_site], control.jacobian
-    for j in range(JOINTS):  # hinge joints in a chain: a x (p - anchor), a
+    for j in range(J.shape[1]):  # hinge joints in a chain: a x (p - anchor), a
         ax, ay, az = physics.xaxis[j, 0], physics.xaxis[j, 1], physics.xaxis[j, 2]
         rx = position[0] - physics.xanchor[j, 0]
         ry = position[1] - physics.xanchor[j, 1]
@@ -155,15 +120,15 @@ def _jacobian(physics: Physics, scene: SceneArrays, control: Controller) -> None
 
 
 @compiled
-def _operational_inertia(physics: Physics, scene: SceneArrays, control: Controller) -> None:
-    M, L, J, Y = control.mass, control.factor, control.jacobian, control.half
-    for i in range(JOINTS):
+def _operational_inertia(physics: Physics, scene: SceneArrays, control: Control) -> None:
+    L, J, Y = control.factor, control.jacobian, control.half
+    joints = inertia(physics, scene, control)
+    for i in range(joints):
         for j in range(i + 1):
-            value = physics.inertia[scene.inertia_index[i, j]]
-            M[i, j] = M[j, i] = L[i, j] = value
-    _factorise(L, JOINTS)
+            L[i, j] = control.mass[i, j]
+    factorise(L, joints)
     for c in range(6):
-        for i in range(JOINTS):
+        for i in range(joints):
             total = J[c, i]
             for k in range(i):
                 total -= L[i, k] * Y[k, c]
@@ -171,19 +136,20 @@ def _operational_inertia(physics: Physics, scene: SceneArrays, control: Controll
     for i in range(6):
         for j in range(i + 1):
             total = 0.0
-            for k in range(JOINTS):
+            for k in range(joints):
                 total += Y[k, i] * Y[k, j]
             control.operational[i, j] = total
             if j >= 3:
                 control.rotational[i - 3, j - 3] = total
-    _factorise(control.operational, 6)
-    _factorise(control.rotational, 3)
+    factorise(control.operational, 6)
+    factorise(control.rotational, 3)
 
 
 @compiled
-def _wrench(physics: Physics, scene: SceneArrays, control: Controller) -> None:
+def _wrench(physics: Physics, scene: SceneArrays, control: Control) -> None:
     position, R = physics.site_xpos[scene.grip_site], physics.site_xmat[scene.grip_site]
     D, J, w = control.goal_rotation, control.jacobian, control.wrench
+    joints = J.shape[1]
     for i in range(3):
         w[i] = KP * (control.goal_position[i] - position[i])
         # orientation error: half the sum of the columns' cross products, R_c x D_c
@@ -194,35 +160,39 @@ def _wrench(physics: Physics, scene: SceneArrays, control: Controller) -> None:
         w[3 + i] = KP * 0.5 * error
     for i in range(6):
         velocity = 0.0
-        for j in range(JOINTS):
+        for j in range(joints):
             velocity += J[i, j] * physics.qvel[j]
         w[i] -= KD * velocity
 
 
-@compiled
-def _factorise(A: NDArray[np.float64], n: int) -> None:
-    """Lower Cholesky factor in place; a direction without inertia gets no force (as by pinv)."""
-    for i in range(n):
-        for j in range(i + 1):
-            total = A[i, j]
-            for k in range(j):
-                total -= A[i, k] * A[j, k]
-            if i == j:
-                A[i, i] = math.sqrt(total) if total > 1e-14 else 1e30
-            else:
-                A[i, j] = total / A[j, j]
+def _motion(robot: Robot) -> tuple[Quantity, ...]:
+    translation = motion(
+        ("dx", "dy", "dz"), "translation of the controller's goal from the pose achieved",
+        "m", BASE, "vector", (POSITION_SCALE,) * 3,
+    )  # fmt: skip
+    rotation = motion(
+        ("drx", "dry", "drz"), "rotation vector of that goal", "rad", BASE, "axial",
+        (ROTATION_SCALE,) * 3,
+    )  # fmt: skip
+    return translation, rotation
 
 
-@compiled
-def _solve(L: NDArray[np.float64], n: int, x: NDArray[np.float64], offset: int) -> None:
-    """x[offset:offset+n] <- (L L^T)^-1 x."""
-    for i in range(n):
-        total = x[offset + i]
-        for k in range(i):
-            total -= L[i, k] * x[offset + k]
-        x[offset + i] = total / L[i, i]
-    for i in range(n - 1, -1, -1):
-        total = x[offset + i]
-        for k in range(i + 1, n):
-            total -= L[k, i] * x[offset + k]
-        x[offset + i] = total / L[i, i]
+OSC_POSE = Controller(
+    name="osc_pose",
+    stock_name="OSC_POSE",
+    motion=_motion,
+    set_goal=set_goal,
+    set_torques=set_torques,
+    stock_gains={
+        "kp": KP,
+        "damping_ratio": 1,
+        "impedance_mode": "fixed",
+        "kp_limits": [0, 300],
+        "damping_ratio_limits": [0, 10],
+        "position_limits": None,
+        "orientation_limits": None,
+        "uncouple_pos_ori": True,
+        "input_ref_frame": "base",
+        "ramp_ratio": 0.2,
+    },
+)
