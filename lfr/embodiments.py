@@ -67,6 +67,12 @@ def embodiment(name: str) -> Embodiment:
     return Embodiment(chosen, controller(rest[0] if rest else DEFAULT_CONTROLLER))
 
 
+@cache
+def known_action(names: tuple[str, ...]) -> Space | None:
+    """The action whose dimensions are called ``names``; None where no embodiment here has it."""
+    return next((one.action for one in embodiments() if one.action.names == names), None)
+
+
 def embodiments() -> Iterator[Embodiment]:
     """Every arm under every controller."""
     for arm in ROBOTS.values():

@@ -11,16 +11,19 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from itertools import groupby
 from typing import Literal
 
 from lfr.errors import UnknownNameError
 
-Moves = Literal["point", "vector", "axial", "rotation", "relative angle", "not at all", "unknown"]
-"""How a quantity changes when the scene is turned about the vertical, mirrored or shifted:
-as a point, as a vector, as an axial vector (a rotation vector), as a rotation matrix's first two
-columns, as a cosine and sine of an angle between two things of the scene (changed by a mirror
-alone), not at all, or in a way that nobody has described."""
+Moves = Literal[
+    "point", "vector", "axial", "rotation", "relative angle", "not at all", "with the base", "unknown"
+]
+"""How a quantity changes when the scene is turned about the vertical, mirrored or shifted: as a
+point, as a vector, as an axial vector (a rotation vector), as a rotation matrix's first two columns,
+as a cosine and sine of an angle between two things of the scene (changed by a mirror alone), not at
+all, not by a turn about the base's vertical and in no known way by anything else, or unknown."""
 
 BASE = "robot's base"
 XYZ = ("x", "y", "z")
@@ -201,13 +204,30 @@ def gripper_action() -> Quantity:
     return Quantity("gripper", ("gripper",), "", "", about, "not at all", -1.0, 1.0, 0.3)
 
 
-def motion(
-    names: Sequence[str], about: str, unit: str, frame: str, moves: Moves, scale: Sequence[float]
-) -> Quantity:
-    """Part of an action: a value of 1 of the i-th dimension asks for ``scale[i]`` of the unit."""
-    stem = names[0].partition(".")[0] if "." in names[0] else " ".join(names)
+def translation(scale: Sequence[float] = ()) -> Quantity:
+    """Of an action: what moves the end effector's goal from the pose achieved."""
+    about = "translation of the end effector's goal from the pose achieved"
+    names = ("dx", "dy", "dz")
     return Quantity(
-        stem, tuple(names), unit, frame, about, moves, -1.0, 1.0, 0.3, scale=tuple(scale)
+        "translation", names, "m", BASE, about, "vector", -1.0, 1.0, 0.3, scale=tuple(scale)
+    )
+
+
+def turn(scale: Sequence[float] = ()) -> Quantity:
+    """Of an action: what turns the end effector's goal from the pose achieved."""
+    about = "rotation vector of that goal"
+    names = ("drx", "dry", "drz")
+    return Quantity(
+        "rotation", names, "rad", BASE, about, "axial", -1.0, 1.0, 0.3, scale=tuple(scale)
+    )
+
+
+def joint_motion(joints: Sequence[str], scale: Sequence[float] = ()) -> Quantity:
+    """Of an action: what moves each joint's goal from the position achieved: ``dq.<joint>``."""
+    about = "motion of each joint's goal from the position achieved"
+    names = tuple(f"dq.{joint}" for joint in joints)
+    return Quantity(
+        "dq", names, "rad", "", about, "with the base", -1.0, 1.0, 0.3, scale=tuple(scale)
     )
 
 
@@ -248,6 +268,11 @@ _FORMS: dict[str, Callable[[str], Quantity]] = {
 """What follows the last `_` of a quantity's name, and what it makes of what stands before it."""
 
 
+def quantity_name(dimension: str) -> str:
+    """The name of the quantity that a dimension belongs to: "cube_pos" of "cube_pos.x"."""
+    return _QUANTITY_OF.get(dimension, dimension.partition(".")[0])
+
+
 def quantity(name: str) -> Quantity:
     """What a quantity called ``name`` is, by the form of its name.
 
@@ -272,8 +297,13 @@ def space(names: Sequence[str]) -> Space:
     Raises:
         UnknownNameError: a name has no known form.
     """
+    return _space(tuple(names))
+
+
+@cache
+def _space(names: tuple[str, ...]) -> Space:
     found = []
-    for group, members in groupby(names, key=lambda name: name.partition(".")[0]):
+    for group, members in groupby(names, key=quantity_name):
         known = quantity(group)
         found.append(replace(known, names=tuple(members)))
     return Space(tuple(found))

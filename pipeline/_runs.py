@@ -8,8 +8,8 @@ from typing import Any
 
 from lfr.scenarios import Transfer
 from lfr.sim.simulation import simulation
-from lfr.transfer.methods import start_of
-from lfr.transfer.methods.start import TrainedModels
+from lfr.transfer.methods import initialize
+from lfr.transfer.methods.initialization import TrainedModels
 from lfr.transfer.model import save_policy
 from lfr.transfer.params import TransferParams
 from lfr.transfer.starts import evaluation_starts
@@ -43,22 +43,22 @@ def learn(job: RunJob) -> dict[str, Any]:
     transfer, folder = job.transfer, Path(job.folder)
     robot, task = transfer.target, transfer.task
     models = TrainedModels(transfer, Path(job.skills), Path(job.mapping))
-    start = start_of(job.method, models, job.params, job.seed)
+    initialization = initialize(job.method, models, job.params, job.seed)
     about = {"transfer": transfer.name, "method": job.method}
     described = {"robot": robot, "task": task, "seed": job.seed, **about}
-    save_policy(folder / "initial", start.actor, described)
+    save_policy(folder / "initial", initialization.actor, described)
 
     def sample(env_steps: int) -> None:
         shown = simulation(robot, task)
         seed = evaluation_starts(job.seed, 1)[0]
-        episode, trace = roll_out_policy(start.actor, shown, seed)
+        episode, trace = roll_out_policy(initialization.actor, shown, seed)
         note = f"{env_steps} environment steps"
         save_policy_episode(folder / f"episode-{env_steps:06d}.rrd", episode, trace, note=note)
 
     title = f"{transfer.name} {job.method} seed {job.seed}"
     log = LearningLog(folder / "learning.rrd", title, sample)
     result = train(
-        start, robot, task, job.params, job.seed,
+        initialization, robot, task, job.params, job.seed,
         out=folder / "policy", work=folder / "checkpoints", about=about, observer=log,
     )  # fmt: skip
     log.catch_up(result["curve"])

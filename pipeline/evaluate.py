@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 
 from lfr.evaluation.learned import LearnedFiles
-from lfr.evaluation.params import EvaluateParams
+from lfr.evaluation.protocol import EvaluateParams
 from lfr.evaluation.trials import Trial, success_rates
 from lfr.params import read_section
 from lfr.program import run_stage
@@ -13,7 +13,7 @@ from lfr.transfer.methods import method as method_named
 from pipeline._stage import SeedParams, unfinished_work, write_metrics
 
 CODE = (
-    "lfr.transfer", "lfr.ablations.other_task", "lfr.mapping", "lfr.skills", "lfr.models",
+    "lfr.transfer", "lfr.mapping", "lfr.skills", "lfr.models",
     "lfr.sim", "lfr.seeds", "lfr.robots", "lfr.tasks",
     "lfr.evaluation.learned", "lfr.evaluation.rollouts", "lfr.evaluation.trials",
 )  # fmt: skip

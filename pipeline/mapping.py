@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 
 from lfr.evaluation.chain import chain_trials, train_and_measure
-from lfr.evaluation.params import EvaluateParams
+from lfr.evaluation.protocol import EvaluateParams
 from lfr.external import external_arms
 from lfr.mapping.models import mapping_job
 from lfr.mapping.training import MappingParams
@@ -57,7 +57,7 @@ def main(transfer: str) -> None:
     report, chain = train_and_measure(job, trials, work, f"mapping {transfer}")
     if chain:
         about = {"source": chosen.source, "target": chosen.target, "task": chosen.task}
-        write_metrics("chain", transfer, {**about, "links": chain})
+        write_metrics("chain", transfer, {**about, "zero_shot": chain})
     models_into(Path("models/mapping") / transfer, models)
     write_metrics("mapping", transfer, report)
 

@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 
 from lfr.evaluation.own_arm import train_and_measure
-from lfr.evaluation.params import EvaluateParams
+from lfr.evaluation.protocol import EvaluateParams
 from lfr.external import external_arms
 from lfr.params import read_section
 from lfr.program import run_stage

@@ -18,7 +18,7 @@ from pipeline._runs import RunJob, learn
 from pipeline._stage import SeedParams, unfinished_work, write_metrics
 
 CODE = (
-    "lfr.transfer", "lfr.ablations.other_task", "lfr.mapping.artifacts", "lfr.mapping.generator",
+    "lfr.transfer", "lfr.mapping.artifacts", "lfr.mapping.generator",
     "lfr.models", "lfr.skills.artifacts", "lfr.skills.gaussian", "lfr.skills.prior",
     "lfr.skills.vae", "lfr.sim", "lfr.seeds", "lfr.robots", "lfr.tasks",
 )  # fmt: skip

@@ -11,7 +11,7 @@ from typing import Any, get_type_hints
 import pytest
 
 from lfr.demos.recorder import RecordParams
-from lfr.evaluation.params import EvaluateParams
+from lfr.evaluation.protocol import EvaluateParams
 from lfr.mapping.training import MappingParams
 from lfr.params import read_section, read_yaml
 from lfr.program import run_stage

@@ -10,7 +10,7 @@ import pytest
 
 from lfr.artifacts import read_json
 from lfr.data.log_reader import list_logs, read_log
-from lfr.evaluation.records import LINKS
+from lfr.evaluation.records import CHAIN
 from lfr.mapping.artifacts import load_mapping_seen
 from lfr.params import read_yaml
 from lfr.skills.artifacts import load_seen
@@ -54,8 +54,8 @@ def test_the_record_of_the_run(project: Path) -> None:
     assert list(record["other_judges"]) == ["robosuite"]
     assert record["reward"] == "sparse"
     chain = read_json(project / "results/chain.json")[TRANSFER]
-    assert tuple(chain["links"]) == LINKS
-    assert all(link["episodes"] == 4 for link in chain["links"].values())
+    assert tuple(chain["zero_shot"]) == CHAIN
+    assert all(link["episodes"] == 4 for link in chain["zero_shot"].values())
 
 
 def test_no_model_but_the_oracle_has_seen_the_targets_new_task(project: Path) -> None:

@@ -34,6 +34,14 @@ class Controller:
         """The action of this controller on an arm."""
         return Space((*self.motion(robot), gripper_action()))
 
+    def about(self, robot: Robot) -> str:
+        """The action in words, for a dataset."""
+        parts = []
+        for quantity in self.space(robot).quantities:
+            sizes = ", ".join(f"{value:g}" for value in dict.fromkeys(quantity.scale))
+            parts.append(f"{quantity.about} x {sizes} {quantity.unit}" if sizes else quantity.about)
+        return f"in [-1, 1]: {'; '.join(parts)}"
+
     def scale(self, robot: Robot) -> tuple[float, ...]:
         """(A - 1,) what an action of 1 asks for, in each dimension's unit, the gripper aside."""
         return tuple(value for quantity in self.motion(robot) for value in quantity.scale)

@@ -25,7 +25,7 @@ from lfr.compiled.arrays import Control, Physics, SceneArrays
 from lfr.controllers.controller import Controller
 from lfr.controllers.inertia import inertia
 from lfr.robots.robot import Robot
-from lfr.spaces import Quantity, motion
+from lfr.spaces import Quantity, joint_motion
 
 KP = 150.0
 KD = 2.0 * math.sqrt(KP)  # damping ratio 1
@@ -55,9 +55,7 @@ def set_torques(physics: Physics, scene: SceneArrays, control: Control) -> None:
 
 
 def _motion(robot: Robot) -> tuple[Quantity, ...]:
-    names = tuple(f"dq.{joint}" for joint in robot.joint_names)
-    about = "motion of each joint's goal from the position achieved"
-    return (motion(names, about, "rad", "", "unknown", robot.joint_scale),)
+    return (joint_motion(robot.joint_names, robot.joint_scale),)
 
 
 JOINT_POSITION = Controller(

@@ -24,7 +24,7 @@ from lfr.compiled.linear import factorise, solve
 from lfr.controllers.controller import Controller
 from lfr.controllers.inertia import inertia
 from lfr.robots.robot import Robot
-from lfr.spaces import BASE, Quantity, motion
+from lfr.spaces import Quantity, translation, turn
 
 KP = 150.0
 KD = 2.0 * math.sqrt(KP)  # damping ratio 1
@@ -166,15 +166,7 @@ def _wrench(physics: Physics, scene: SceneArrays, control: Control) -> None:
 
 
 def _motion(robot: Robot) -> tuple[Quantity, ...]:
-    translation = motion(
-        ("dx", "dy", "dz"), "translation of the controller's goal from the pose achieved",
-        "m", BASE, "vector", (POSITION_SCALE,) * 3,
-    )  # fmt: skip
-    rotation = motion(
-        ("drx", "dry", "drz"), "rotation vector of that goal", "rad", BASE, "axial",
-        (ROTATION_SCALE,) * 3,
-    )  # fmt: skip
-    return translation, rotation
+    return translation((POSITION_SCALE,) * 3), turn((ROTATION_SCALE,) * 3)
 
 
 OSC_POSE = Controller(

@@ -55,12 +55,12 @@ def chain_trials(
     task = transfer.task
     prior, vae = str(skills / "source" / f"prior-{task}"), str(skills / "source" / "vae")
     target_vae = str(skills / "target" / "vae")
-    links = {
+    policies = {
         "identity": SkillFiles(prior, vae),
         "recoded": SkillFiles(prior, target_vae, encoder=vae),
         "mapped": MappedFiles(prior, str(mapping / "g"), target_vae),
     }
-    return {name: Trial(files, transfer.target, task, episodes) for name, files in links.items()}
+    return {name: Trial(files, transfer.target, task, episodes) for name, files in policies.items()}
 
 
 def train_and_measure(

@@ -12,7 +12,7 @@ import numpy as np
 
 from lfr.errors import UnknownNameError
 from lfr.evaluation.rollouts import Judge, Outcome, Policy, roll_out
-from lfr.evaluation.statistics import success_of
+from lfr.evaluation.success_rate import success_of
 from lfr.jobs import run_jobs
 from lfr.seeds import episode_seed
 
@@ -83,11 +83,16 @@ def run_trial(trial: Trial) -> list[Outcome]:
     """Run a trial's episodes one after the other, in this process."""
     end = trial.first + trial.episodes
     seeds = [episode_seed("held-out", index) for index in range(trial.first, end)]
-    return roll_out(trial.policy.load(), _judge(trial.judge, trial.robot, trial.task), seeds)
+    return roll_out(trial.policy.load(), judge_named(trial.judge, trial.robot, trial.task), seeds)
 
 
 @cache
-def _judge(name: JudgeName, robot: str, task: str) -> Judge:
+def judge_named(name: JudgeName, robot: str, task: str) -> Judge:
+    """The simulation that judges: the engine, or stock robosuite; kept for the next trial.
+
+    Raises:
+        UnknownNameError: there is no such judge.
+    """
     if name == "engine":
         from lfr.sim.simulation import simulation
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import torch
@@ -60,6 +61,7 @@ def train_mapping(
     tasks: list[CommonTask],
     encoders: tuple[SkillVAE, SkillVAE],
     actions: Tensor | None,
+    action_names: Sequence[str],
     params: MappingParams,
     seed: int,
 ) -> tuple[Generator, Generator]:
@@ -73,7 +75,8 @@ def train_mapping(
         tasks: the common tasks; each is drawn equally often.
         encoders: the source's and the target's skill VAE.
         actions: (N, H, A), windows of the common tasks of both arms, used if
-            ``posterior_share`` > 0; None else.
+            ``posterior_share`` > 0; None else, as where the arms' actions are different things.
+        action_names: of their dimensions.
     """
     torch.manual_seed(seed)
     generator = torch.Generator().manual_seed(seed)
@@ -102,7 +105,7 @@ def train_mapping(
     for _ in range(params.steps):
         pairs = [_sample(task, per_task, params.state_noise, generator) for task in tasks]
         if posteriors and actions is not None:
-            pairs.append(_posteriors(encoders, actions, posteriors, generator))
+            pairs.append(_posteriors(encoders, actions, action_names, posteriors, generator))
         k_x = torch.cat([pair[0] for pair in pairs])
         k_y = torch.cat([pair[1] for pair in pairs])
         loss = mapping_loss(g, f, k_x, k_y, params.cycle_weight)
@@ -127,10 +130,14 @@ def _sample(
 
 @torch.no_grad()
 def _posteriors(
-    encoders: tuple[SkillVAE, SkillVAE], actions: Tensor, count: int, generator: torch.Generator
+    encoders: tuple[SkillVAE, SkillVAE],
+    actions: Tensor,
+    names: Sequence[str],
+    count: int,
+    generator: torch.Generator,
 ) -> tuple[Tensor, Tensor]:
     """What both encoders make of the same, augmented windows: pairs beyond the common tasks."""
     index = torch.randint(len(actions), (count,), generator=generator)
-    windows = augment(actions[index], generator)
+    windows = augment(actions[index], names, generator)
     k_x, k_y = (torch.cat(encoder.encode(windows), dim=-1) for encoder in encoders)
     return k_x, k_y

@@ -93,19 +93,12 @@ class _Frames:
         return steps.observations[0].copy()
 
     def episode(self, seed: int) -> Episode:
-        simulation, layout = self.simulation, self.simulation.layout
-        info = EpisodeInfo(
-            robot=simulation.robot.name,
-            task=simulation.task.name,
-            seed=seed,
-            instruction=simulation.task.instruction,
-            state_names=layout.state_names,
-            environment_names=layout.environment_names,
-        )
+        simulation = self.simulation
+        info = EpisodeInfo.of(simulation.embodiment, simulation.task, seed)
         observations = np.array(self.observations)
         columns: dict[str, Any] = {
-            STATE: observations[:, layout.state],
-            ENVIRONMENT_STATE: observations[:, layout.environment],
+            STATE: observations[:, : ROBOT_STATE.size],
+            ENVIRONMENT_STATE: observations[:, ROBOT_STATE.size :],
             JOINT_POSITION: np.array(self.joints),
             ACTION: np.array(self.actions),
             REWARD: np.array(self.rewards),

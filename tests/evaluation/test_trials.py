@@ -74,7 +74,7 @@ def test_rates_are_of_held_out_starts_and_shards_do_not_matter(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     line = Line()
-    monkeypatch.setattr(trials, "_judge", lambda *_: line)
+    monkeypatch.setattr(trials, "judge_named", lambda *_: line)
     monkeypatch.setenv("RAY_ADDRESS", "")
     monkeypatch.setattr("os.cpu_count", lambda: 1)  # the patches are this process's alone
     asked = {

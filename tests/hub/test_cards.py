@@ -96,7 +96,7 @@ def test_model_cards_are_current(title: str) -> None:
     assert f"git checkout {noted['provenance']['revision']}" in text, "run `lfr card`"
     assert f"dvc repro {stage}@{name}" in text
     tallies = list(found(noted, "own_arm")) if stage == "skills" else []
-    tallies += list(read("chain", name)["links"].values()) if stage == "mapping" else []
+    tallies += list(read("chain", name)["zero_shot"].values()) if stage == "mapping" else []
     tallies += [s for run in read("evaluate", name)["runs"] for s in run["success"].values()
                 ] if stage == "transfer" else []  # fmt: skip
     assert tallies
@@ -292,8 +292,8 @@ def test_cards_are_written_and_checked(
     assert "panda-lift.md: out of date" in capsys.readouterr().err
 
 
-def test_without_paths_the_evidence_is_left_alone(tmp_path: Path) -> None:
-    places = ["transfer/a-lfr", "skills/a", "mapping/a", "paper/a", "paper-policies/a-sac"]
+def test_without_paths_studies_are_left_alone(tmp_path: Path) -> None:
+    places = ["transfer/a-lfr", "skills/a", "mapping/a", "studies/a", "study-policies/a-sac"]
     for place in places:
         (tmp_path / "models" / place).mkdir(parents=True)
     (tmp_path / "data/robot-task").mkdir(parents=True)

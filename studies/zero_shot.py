@@ -1,0 +1,122 @@
+"""Zero-shot success of everything that could stand in the chain's places, on held-out starts.
+
+Besides the policies of the chain (`lfr.evaluation.chain`):
+
+    no_generator    source prior, target decoder, nothing between
+    oracle_decoder  source prior, its decoded actions through the oracle's VAE: is it the decoder?
+    shared_vae      source prior and decoder of one VAE of both arms
+    linear, no_cycle, shuffled, untrained, constant, only_<task>
+                    source prior, another phi, target decoder (`studies.ablations.maps`)
+    between_seeds   source prior, phi to another VAE of the source, its decoder, on the source
+    wrong_task      source prior of a common task, G, target decoder
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from lfr.artifacts import fingerprint
+from lfr.evaluation.chain import MappedFiles, chain_trials
+from lfr.evaluation.policies import SkillFiles
+from lfr.evaluation.trials import Trial
+from lfr.mapping.artifacts import load_generator
+from lfr.scenarios import Transfer
+from lfr.skills.artifacts import load_vae
+from lfr.skills.policy import SkillPolicy
+from studies.ablations.other_task import load_other_task
+
+PHI = ("linear", "no_cycle", "shuffled", "untrained", "constant")
+
+
+@dataclass(frozen=True)
+class WrongTaskFiles:
+    """The folders of an `OtherTaskPrior`, of G, and of the VAE that acts."""
+
+    other_task_prior: str
+    generator: str
+    decoder: str
+
+    def load(self) -> SkillPolicy:
+        """Raises DataError where a folder holds no such model, or a damaged one."""
+        prior = load_other_task(Path(self.other_task_prior))
+        translate = load_generator(Path(self.generator))
+        return SkillPolicy(prior, translate, load_vae(Path(self.decoder)))
+
+
+Files = SkillFiles | MappedFiles | WrongTaskFiles
+
+
+@dataclass(frozen=True)
+class KnownFiles:
+    """A policy's folders with a fingerprint of what lies in them, so that it is judged anew if
+    that changes."""
+
+    files: Files
+    content: str
+
+    @classmethod
+    def of(cls, files: Files) -> KnownFiles:
+        """Raises DataError where a folder is missing."""
+        return cls(files, fingerprint(*(Path(folder) for folder in vars(files).values() if folder)))
+
+    def load(self) -> SkillPolicy:
+        return self.files.load()
+
+
+def model_trials(transfer: Transfer, models: Path, episodes: int) -> dict[str, Trial]:
+    """The policies that need a repetition's ``skills`` and ``mapping`` alone, in ``models``."""
+    skills, task = models / "skills", transfer.task
+    prior, vae = str(skills / "source" / f"prior-{task}"), str(skills / "source" / "vae")
+    policies: dict[str, Files] = {"no_generator": SkillFiles(prior, str(skills / "target" / "vae"))}
+    if transfer.oracle:
+        oracle = str(skills / "oracle" / "vae")
+        policies["oracle"] = SkillFiles(str(skills / "oracle" / f"prior-{task}"), oracle)
+        policies["oracle_decoder"] = SkillFiles(prior, oracle, encoder=vae)
+    own = Trial(KnownFiles.of(SkillFiles(prior, vae)), transfer.source, task, episodes)
+    chain = chain_trials(transfer, skills, models / "mapping", episodes)
+    return {
+        "own_arm": own,
+        **{name: _known(trial) for name, trial in chain.items()},
+        **_on_target(transfer, policies, episodes),
+    }
+
+
+def variant_trials(
+    transfer: Transfer, models: Path, other: Path, variants: Path, episodes: int
+) -> dict[str, Trial]:
+    """The policies that need a repetition's variants.
+
+    Args:
+        models: the repetition's ``skills`` and ``mapping``.
+        other: those of the repetition that `studies.ablations.between_seeds` maps onto.
+        variants: folder of the repetition's variants, by name.
+    """
+    skills, task = models / "skills", transfer.task
+    prior, target = str(skills / "source" / f"prior-{task}"), str(skills / "target" / "vae")
+    phi = [*PHI, *(f"only_{common}" for common in transfer.common)]
+    shared, wrong = variants / "shared_vae", str(variants / "wrong_task" / "prior")
+    policies: dict[str, Files] = {
+        "shared_vae": SkillFiles(str(shared / "prior"), str(shared / "vae")),
+        **{name: MappedFiles(prior, str(variants / name / "g"), target) for name in phi},
+        "wrong_task": WrongTaskFiles(wrong, str(models / "mapping" / "g"), target),
+    }
+    between = MappedFiles(
+        prior, str(variants / "between_seeds" / "g"), str(other / "skills" / "source" / "vae")
+    )
+    return {
+        **_on_target(transfer, policies, episodes),
+        "between_seeds": Trial(KnownFiles.of(between), transfer.source, task, episodes),
+    }
+
+
+def _on_target(transfer: Transfer, policies: dict[str, Files], episodes: int) -> dict[str, Trial]:
+    return {
+        name: Trial(KnownFiles.of(files), transfer.target, transfer.task, episodes)
+        for name, files in policies.items()
+    }
+
+
+def _known(trial: Trial) -> Trial:
+    assert isinstance(trial.policy, SkillFiles | MappedFiles)
+    return replace(trial, policy=KnownFiles.of(trial.policy))
