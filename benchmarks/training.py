@@ -21,13 +21,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from lfr.jobs.results import Tally
-
 from benchmarks._datasets import Size, as_of_robot, scratch, write_dataset
 from benchmarks._figures import FOLDER, Figure, show, within, write
 from lfr.jobs.memory import own_peak
 from lfr.jobs.order import Order
 from lfr.jobs.pool import run_in_pool
+from lfr.jobs.results import Tally
 from lfr.mapping.models import MappingJob, fit_mapping
 from lfr.mapping.training import MappingParams
 from lfr.params import read_section

@@ -18,7 +18,14 @@ from typing import Literal
 from lfr.errors import UnknownNameError
 
 Moves = Literal[
-    "point", "vector", "axial", "rotation", "relative angle", "not at all", "with the base", "unknown"
+    "point",
+    "vector",
+    "axial",
+    "rotation",
+    "relative angle",
+    "not at all",
+    "with the base",
+    "unknown",
 ]
 """How a quantity changes when the scene is turned about the vertical, mirrored or shifted: as a
 point, as a vector, as an axial vector (a rotation vector), as a rotation matrix's first two columns,

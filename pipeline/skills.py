@@ -43,9 +43,9 @@ def main(transfer: str) -> None:
     inputs = rows_of(sorted(datasets))
     work = unfinished_work("skills", transfer, scenario, params, seed, arms, *inputs, code=CODE)
 
-    jobs, needs = model_jobs(scenario, chosen, params, seed, work / "models", arms=arms)
+    jobs = model_jobs(scenario, chosen, params, seed, work / "models", arms=arms)
     episodes = 0 if arms else read_section(EvaluateParams, "evaluate").episodes
-    report = train_and_measure(jobs, needs, episodes, work, f"skills {transfer}")
+    report = train_and_measure(jobs, episodes, work, f"skills {transfer}")
     models_into(Path("models/skills") / transfer, work / "models")
     write_metrics("skills", transfer, report)
 

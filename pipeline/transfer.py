@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from lfr.artifacts import write_whole
-from lfr.jobs import run_jobs
+from lfr.jobs import Job, run_jobs
 from lfr.params import read_section
 from lfr.program import run_stage
 from lfr.scenarios import transfer as transfer_named
@@ -36,10 +36,11 @@ def main(transfer: str, method: str) -> None:
 
     folders = {seed: work / f"seed-{seed}" for seed in seeds}
     jobs = [
-        RunJob(chosen, method, seed, params, str(folder), str(skills), str(mapping))
+        Job(learn, RunJob(chosen, method, seed, params, str(folder), str(skills), str(mapping)))
         for seed, folder in folders.items()
     ]
-    runs = run_jobs(learn, jobs, work=work, description=f"transfer {name}", unit="run")
+    done = run_jobs(jobs, work=work, description=f"transfer {name}", unit="run")
+    runs = list(done.values())
 
     with write_whole(Path("models/transfer") / name) as partial:
         for seed, folder in folders.items():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,8 +12,8 @@ import numpy as np
 
 from lfr.evaluation import trials
 from lfr.evaluation.rollouts import Judge, Outcome, roll_out
-from lfr.evaluation.trials import Trial, named_shards, summaries
-from lfr.jobs import run_jobs
+from lfr.evaluation.trials import Trial, shards_of, success_rate
+from lfr.jobs import Job, run_jobs
 from lfr.seeds import episode_seed
 from studies.imitation.cloning import ImitationJob, fit_imitation
 from studies.imitation.recurrent_policy import RecurrentPolicy
@@ -53,20 +54,15 @@ def train_and_judge(
         What `studies.imitation.cloning.fit_imitation` says of each policy, and the success of each
         trial, as `lfr.evaluation.trials.success_rates` gives it.
     """
-    places = {seed: place for place, seed in enumerate(policies)}
-    names = list(judged)
-    shards = named_shards({str(place): judged[name] for place, name in enumerate(names)})
-    owners = [names[int(place)] for place, _ in shards]
-    after = {len(places) + i: places[seed] for i, (seed, _) in enumerate(owners)}
-    jobs = [*policies.values(), *(shard for _, shard in shards)]
-    done = run_jobs(run_part, jobs, after=after, work=work, description=description, unit="part")
-    fitted = dict(zip(policies, done[: len(places)], strict=True))
-    return fitted, summaries(owners, done[len(places) :])
-
-
-def run_part(part: ImitationJob | Trial) -> Any:
-    """A policy to train, or a shard of a trial of one."""
-    return fit_imitation(part) if isinstance(part, ImitationJob) else run_recurrent(part)
+    training = {seed: Job(fit_imitation, spec) for seed, spec in policies.items()}
+    shards = {
+        key: [Job(run_recurrent, shard, (training[key[0]],)) for shard in shards_of(trial)]
+        for key, trial in judged.items()
+    }
+    jobs = [*training.values(), *itertools.chain(*shards.values())]
+    done = run_jobs(jobs, work=work, description=description, unit="part")
+    fitted = {seed: done[job] for seed, job in training.items()}
+    return fitted, {key: success_rate(trial, done) for key, trial in shards.items()}
 
 
 def run_recurrent(trial: Trial) -> list[Outcome]:

@@ -55,16 +55,21 @@ def dies_once(spec: Spec) -> int:
     return spec.number
 
 
-def reads_or_writes(spec: Spec) -> int:
-    """Number 0 writes the file that 1 to 3 read; 4 finds that it is not there yet."""
-    written = Path(spec.folder) / "written"
-    if spec.number == 0:
-        time.sleep(0.5)
-        written.write_text("0")
-        return 0
-    if spec.number == 4:
-        return 4 if written.exists() else -1
-    return spec.number + int(written.read_text())
+def writes(folder: str) -> int:
+    time.sleep(0.5)
+    (Path(folder) / "written").write_text("0")
+    return 0
+
+
+def reads(spec: Spec) -> int:
+    """Its number, or -1 where `writes` has not written yet."""
+    return spec.number if (Path(spec.folder) / "written").exists() else -1
+
+
+def clears(folder: str) -> int:
+    """Takes away what `reads` looks for."""
+    (Path(folder) / "written").unlink()
+    return 0
 
 
 def dies(spec: int) -> None:

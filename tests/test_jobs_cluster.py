@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from lfr.errors import LfrError
-from lfr.jobs import run_jobs
+from lfr.jobs import Job, run_jobs
 
 from . import made_up_jobs as jobs
 
@@ -22,33 +22,35 @@ import json, sys
 from pathlib import Path
 from types import SimpleNamespace
 from lfr.errors import LfrError
-from lfr.jobs import run_jobs
+from lfr.jobs import Job, run_jobs
 from lfr.jobs.cluster import run_on_ray
 from lfr.jobs.order import Order
 from tests import made_up_jobs as jobs
 
 if __name__ == "__main__":
     folder = Path(sys.argv[1])
-    squares = [jobs.Spec(number, str(folder)) for number in (3, 1)]
+    work = folder / "work"
+    squares = [Job(jobs.square, jobs.Spec(number, str(folder))) for number in (3, 1)]
     more = [jobs.Spec(number, str(folder)) for number in (3, 2, 1)]
-    found = {"squares": run_jobs(jobs.square, squares, work=folder / "work")}
-    found["more"] = run_jobs(jobs.square, more, work=folder / "work")
-    chained = [jobs.Spec(number, str(folder)) for number in (1, 0)]
-    found["chained"] = run_jobs(jobs.reads_or_writes, chained, after={0: 1})
-    found["numerical"] = run_jobs(jobs.numerical, [0])
-    found["died"] = run_jobs(jobs.dies_once, more)
+    found = {"squares": list(run_jobs(squares, work=work).values())}
+    found["more"] = list(run_jobs([Job(jobs.square, spec) for spec in more], work=work).values())
+    writer = Job(jobs.writes, str(folder))
+    reader = Job(jobs.reads, jobs.Spec(1, str(folder)), (writer,))
+    found["chained"] = list(run_jobs([reader, writer]).values())
+    found["numerical"] = list(run_jobs([Job(jobs.numerical, 0)]).values())
+    found["died"] = list(run_jobs([Job(jobs.dies_once, spec) for spec in more]).values())
     found["heard"] = []
     heard = SimpleNamespace(
-        report=lambda index, fraction: found["heard"].append(fraction),
-        finish=lambda index, result: found["heard"].append(result),
+        report=lambda job, fraction: found["heard"].append(fraction),
+        finish=lambda job, result: found["heard"].append(result),
     )
-    run_on_ray(jobs.reporting, {0: 8}, Order([0], {}), heard)
+    run_on_ray(Order([Job(jobs.reporting, 8)]), heard)
     try:
-        run_jobs(jobs.unknown, ["x"])
+        run_jobs([Job(jobs.unknown, "x")])
     except LfrError as error:
         found["mistake"] = str(error)
     try:
-        run_jobs(jobs.faulty, [1])
+        run_jobs([Job(jobs.faulty, 1)])
     except RuntimeError as error:
         found["fault"] = str(error)
     (folder / "found.json").write_text(json.dumps(found))  # Ray writes to stdout, too
@@ -73,11 +75,12 @@ def found(ray_address: str, tmp_path_factory: pytest.TempPathFactory) -> dict[st
 
 @pytest.mark.slow
 def test_the_same_results_and_none_twice(found: dict[str, Any]) -> None:
-    assert found["squares"] == run_jobs(jobs.square, [jobs.Spec(3), jobs.Spec(1)])
+    here = run_jobs([Job(jobs.square, jobs.Spec(number)) for number in (3, 1)])
+    assert found["squares"] == list(here.values())
     assert [result["square"] for result in found["more"]] == [9, 4, 1]
     assert found["chained"] == [1, 0]
     assert found["ran"] == ["1", "2", "3"]
-    assert found["numerical"] == run_jobs(jobs.numerical, [0], workers=1)
+    assert found["numerical"] == list(run_jobs([Job(jobs.numerical, 0)], workers=1).values())
 
 
 @pytest.mark.slow
@@ -106,4 +109,4 @@ def test_nobody_answers(monkeypatch: pytest.MonkeyPatch) -> None:
         address = f"127.0.0.1:{closed.getsockname()[1]}"
         monkeypatch.setenv("RAY_ADDRESS", address)
         with pytest.raises(LfrError, match=f"no Ray cluster at RAY_ADDRESS={address}: .*refused"):
-            run_jobs(jobs.square, [jobs.Spec(1)])
+            run_jobs([Job(jobs.square, jobs.Spec(1))])

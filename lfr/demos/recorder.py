@@ -16,7 +16,7 @@ import numpy as np
 from lfr.artifacts import as_json, write_whole
 from lfr.demos.attempt import AttemptParams, attempt
 from lfr.errors import LfrError, ParameterError
-from lfr.jobs import run_jobs
+from lfr.jobs import Job, run_jobs
 from lfr.seeds import episode_seed
 
 
@@ -90,15 +90,16 @@ def record_demonstrations(
         # After a first round, a few more than are missing: another round costs another start.
         count = math.ceil(1.5 * missing) if attempts else missing
         seeds = range(len(attempts), min(len(attempts) + count, most))
-        jobs = [
+        specs = [
             AttemptJob(
                 robot, task, episode_seed("demonstration", seed), str(work), params.attempt, camera
             )
             for seed in seeds
         ]
+        jobs = [Job(record_attempt, spec) for spec in specs]
         attempts += run_jobs(
-            record_attempt, jobs, work=work, description=f"record {robot}-{task}", unit="attempt"
-        )
+            jobs, work=work, description=f"record {robot}-{task}", unit="attempt"
+        ).values()
         kept = [one for one in attempts if one["success"]][: params.episodes]
     with write_whole(out) as partial:
         partial.mkdir()

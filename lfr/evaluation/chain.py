@@ -14,14 +14,15 @@ skills stage measures; `lfr.evaluation.records.chain_records` puts the chain tog
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from lfr.evaluation.policies import SkillFiles
-from lfr.evaluation.trials import Trial, named_shards, run_trial, summaries
-from lfr.jobs import run_jobs
+from lfr.evaluation.trials import Trial, success_rate, trial_jobs
+from lfr.jobs import Job, run_jobs
 from lfr.mapping.artifacts import load_generator
 from lfr.mapping.models import MappingJob, fit_mapping
 from lfr.scenarios import Transfer
@@ -64,25 +65,21 @@ def chain_trials(
 
 
 def train_and_measure(
-    mapping: MappingJob, trials: Mapping[str, Trial], work: Path, description: str
+    spec: MappingJob, trials: Mapping[str, Trial], work: Path, description: str
 ) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
     """Train G and F, and run the links; those that need no G while it is being trained.
+
+    Args:
+        trials: as `chain_trials` gives them.
 
     Returns:
         The report of the mapping, and each link's success.
     """
-    shards = named_shards(trials)
-    jobs = [mapping, *(shard for _, shard in shards)]
-    waits = {
-        place: 0 for place, (_, shard) in enumerate(shards, 1)
-        if isinstance(shard.policy, MappedFiles)
-    }  # fmt: skip
-    report, *done = run_jobs(
-        run_part, jobs, after=waits, work=work, description=description, unit="part"
-    )
-    return report, summaries([name for name, _ in shards], done)
-
-
-def run_part(part: MappingJob | Trial) -> Any:
-    """A part of a chain: the mapping, or a shard of a link."""
-    return fit_mapping(part) if isinstance(part, MappingJob) else run_trial(part)
+    mapping = Job(fit_mapping, spec)
+    shards = {
+        name: trial_jobs(trial, (mapping,) if name == "mapped" else ())
+        for name, trial in trials.items()
+    }
+    jobs = [mapping, *itertools.chain(*shards.values())]
+    done = run_jobs(jobs, work=work, description=description, unit="part")
+    return done[mapping], {name: success_rate(link, done) for name, link in shards.items()}

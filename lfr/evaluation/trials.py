@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+import itertools
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -13,7 +14,7 @@ import numpy as np
 from lfr.errors import UnknownNameError
 from lfr.evaluation.rollouts import Judge, Outcome, Policy, roll_out
 from lfr.evaluation.success_rate import success_of
-from lfr.jobs import run_jobs
+from lfr.jobs import Job, run_jobs
 from lfr.seeds import episode_seed
 
 JudgeName = Literal["engine", "robosuite"]
@@ -42,25 +43,21 @@ def success_rates(
     trials: Mapping[str, Trial], work: Path, description: str
 ) -> dict[str, dict[str, Any]]:
     """Each trial's successes, Wilson interval and mean length of a successful episode."""
-    shards = named_shards(trials)
-    jobs = [shard for _, shard in shards]
-    done = run_jobs(run_trial, jobs, work=work, description=description, unit="shard")
-    return summaries([name for name, _ in shards], done)
+    shards = {name: trial_jobs(trial) for name, trial in trials.items()}
+    done = run_jobs(
+        itertools.chain(*shards.values()), work=work, description=description, unit="shard"
+    )
+    return {name: success_rate(jobs, done) for name, jobs in shards.items()}
 
 
-def named_shards(trials: Mapping[str, Trial]) -> list[tuple[str, Trial]]:
-    """All trials in pieces, each with its trial's name."""
-    return [(name, shard) for name, trial in trials.items() for shard in shards_of(trial)]
+def trial_jobs(trial: Trial, needs: tuple[Job, ...] = ()) -> list[Job]:
+    """The shards of a trial as jobs, after those that make its policy."""
+    return [Job(run_trial, shard, needs) for shard in shards_of(trial)]
 
 
-def summaries[Name: Hashable](
-    names: Sequence[Name], done: Sequence[Any]
-) -> dict[Name, dict[str, Any]]:
-    """What `run_trial` gave for each shard, put together by the names of their trials."""
-    outcomes: dict[Name, list[Outcome]] = {name: [] for name in names}
-    for name, result in zip(names, done, strict=True):
-        outcomes[name] += [Outcome(**outcome) for outcome in result]
-    return {name: summary(found) for name, found in outcomes.items()}
+def success_rate(shards: Sequence[Job], done: Mapping[Job, Any]) -> dict[str, Any]:
+    """The `summary` of one trial, from what its jobs gave."""
+    return summary([Outcome(**outcome) for shard in shards for outcome in done[shard]])
 
 
 def summary(outcomes: list[Outcome]) -> dict[str, Any]:

@@ -1,49 +1,43 @@
 """Jobs: what repeats (seeds, shards, robots) runs through `run_jobs`, on one core or a cluster.
 
-A job is a pure function of its specification, at the top level of a module, so that any process
-on any machine may run it, or run it again.
+A job calls a pure function with its specification, so that any process on any machine may run it,
+or run it again.
 """
 
 from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any
 
 from lfr.artifacts import as_json, fingerprint, read_json, write_json
 from lfr.jobs.here import run_here
+from lfr.jobs.job import Job
 from lfr.jobs.memory import peak_memory
 from lfr.jobs.order import Order
 from lfr.jobs.results import Results, report
 from lfr.progress import progress
 
-__all__ = ["peak_memory", "report", "run_jobs"]
+__all__ = ["Job", "peak_memory", "report", "run_jobs"]
 
 
 def run_jobs(
-    function: Callable[[Any], Any],
-    specs: Sequence[Any],
+    jobs: Iterable[Job],
     *,
-    after: Mapping[int, int] = MappingProxyType({}),
     workers: int | None = None,
     work: Path | None = None,
     description: str = "",
     unit: str = "job",
-) -> list[Any]:
-    """The results of ``function(spec)`` for every spec, in the order of ``specs``.
+) -> dict[Job, Any]:
+    """The results of all jobs, in their order, each once those that it needs are finished.
 
     Every job has one thread for its numerical libraries, wherever it runs, so that its result does
     not depend on where. A job whose process is killed is run once more.
 
     Args:
-        function: picklable, without side effects that may not happen twice. Inside, it may call
-            `report` to move the bar.
-        specs: values that JSON can hold, or dataclasses of such.
-        after: number of a job -> number of the one that must be finished before it starts, because
-            it reads what that one wrote.
+        jobs: in the order in which they start; each with those that it needs among them.
         workers: processes on this machine; None takes the environment's choice: a Ray cluster if
             ``RAY_ADDRESS`` is set, else one process per core. With 1, or one job left to do
             on this machine, the jobs run in this process.
@@ -54,45 +48,57 @@ def run_jobs(
         unit: what one job is called in the bar.
 
     Returns:
-        The results in JSON's types: tuples come back as lists, NumPy values as numbers.
+        Job -> result in JSON's types: tuples come back as lists, NumPy values as numbers.
 
     Raises:
         LfrError: a job raised it, or its process was killed twice.
+        ValueError: a job needs one that is not among ``jobs``.
     """
-    name = _full_name(function)
-    files = [work / f"{fingerprint(name, spec)}.json" for spec in specs] if work else []
-    results = {i: read_json(file)["result"] for i, file in enumerate(files) if file.is_file()}
-    todo = {i: spec for i, spec in enumerate(specs) if i not in results}
+    jobs = list(dict.fromkeys(jobs))  # each once
+    _check_needs(jobs)
+    files = {job: work / f"{_fingerprint(job)}.json" for job in jobs} if work else {}
+    results = {job: read_json(file)["result"] for job, file in files.items() if file.is_file()}
+    todo = [job for job in jobs if job not in results]
 
-    def keep(index: int, result: Any) -> None:
-        results[index] = result
+    def keep(job: Job, result: Any) -> None:
+        results[job] = result
         if files:
-            content = {"function": name, "spec": as_json(specs[index]), "result": result}
-            write_json(files[index], content, allow_nan=True)
+            content = {
+                "function": _full_name(job.function), "spec": as_json(job.spec), "result": result,
+            }  # fmt: skip
+            write_json(files[job], content, allow_nan=True)
 
-    with progress(len(specs), description, unit, initial=len(results)) as bar:
-        _run(function, todo, after, workers, Results(bar, keep))
-    return [results[index] for index in range(len(specs))]
+    with progress(len(jobs), description, unit, initial=len(results)) as bar:
+        _run(todo, workers, Results(bar, keep))
+    return {job: results[job] for job in jobs}
 
 
-def _run(
-    function: Callable[[Any], Any],
-    todo: Mapping[int, Any],
-    after: Mapping[int, int],
-    workers: int | None,
-    results: Results,
-) -> None:
-    order = Order(todo, after)
+def _run(todo: list[Job], workers: int | None, results: Results) -> None:
+    order = Order(todo)
     if todo and workers is None and os.environ.get("RAY_ADDRESS"):
         from lfr.jobs.cluster import run_on_ray
 
-        return run_on_ray(function, todo, order, results)
+        return run_on_ray(order, results)
     workers = min(workers or os.cpu_count() or 1, len(todo))
     if workers <= 1:
-        return run_here(function, todo, order, results)
+        return run_here(order, results)
     from lfr.jobs.pool import run_in_pool
 
-    return run_in_pool(function, todo, order, workers, results)
+    return run_in_pool(order, workers, results)
+
+
+def _check_needs(jobs: list[Job]) -> None:
+    known = set(jobs)
+    for job in jobs:
+        for missing in (need for need in job.needs if need not in known):
+            raise ValueError(
+                f"{_full_name(job.function)}({job.spec!r}) needs "
+                f"{_full_name(missing.function)}({missing.spec!r}), which is not in this run"
+            )
+
+
+def _fingerprint(job: Job) -> str:
+    return fingerprint(_full_name(job.function), job.spec)
 
 
 def _full_name(function: Callable[[Any], Any]) -> str:

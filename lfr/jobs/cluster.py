@@ -9,7 +9,7 @@ from __future__ import annotations
 import logging
 import os
 import socket
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -17,16 +17,15 @@ from typing import Any
 from lfr.artifacts import as_json
 from lfr.errors import LfrError, MissingLibraryError
 from lfr.jobs.here import one_thread
+from lfr.jobs.job import Job
 from lfr.jobs.order import Order
 from lfr.jobs.results import Results, listening
 
 RETRIES = 3  # of a job whose worker or node died; what a job raises itself is never retried
 POLL = 0.5  # seconds between two looks at the reports
 
-Function = Callable[[Any], Any]
 
-
-def run_on_ray(function: Function, todo: Mapping[int, Any], order: Order, results: Results) -> None:
+def run_on_ray(order: Order, results: Results) -> None:
     """Run the jobs as Ray tasks of one core each, at the cluster of ``RAY_ADDRESS``.
 
     Raises:
@@ -37,14 +36,17 @@ def run_on_ray(function: Function, todo: Mapping[int, Any], order: Order, result
     board = ray.remote(num_cpus=0)(_Board).remote()
     task = ray.remote(num_cpus=1, max_retries=RETRIES)(_on_node)
     folder = os.getcwd()
-    pending: dict[Any, int] = {}
+    started: list[Job] = []
+    pending: dict[Any, Job] = {}
     try:
         while order or pending:
-            while (index := order.next()) is not None:
-                pending[task.remote(folder, function, index, todo[index], board)] = index
+            while (job := order.next()) is not None:
+                reference = task.remote(folder, job.function, job.spec, len(started), board)
+                started.append(job)
+                pending[reference] = job
             ready, _ = ray.wait(list(pending), timeout=POLL)
-            for index, fraction in ray.get(board.take.remote()).items():
-                results.report(index, fraction)
+            for number, fraction in ray.get(board.take.remote()).items():
+                results.report(started[number], fraction)
             for reference in ready:
                 results.finish(pending[reference], ray.get(reference))
                 order.finish(pending.pop(reference))
@@ -61,26 +63,28 @@ def run_on_ray(function: Function, todo: Mapping[int, Any], order: Order, result
 
 
 class _Board:
-    """An actor that collects what running jobs report until it is taken."""
+    """An actor that collects what running jobs, by number, report until it is taken."""
 
     def __init__(self) -> None:
         self._fractions: dict[int, float] = {}
 
-    def put(self, index: int, fraction: float) -> None:
-        self._fractions[index] = fraction
+    def put(self, number: int, fraction: float) -> None:
+        self._fractions[number] = fraction
 
     def take(self) -> dict[int, float]:
         taken, self._fractions = self._fractions, {}
         return taken
 
 
-def _on_node(folder: str, function: Function, index: int, spec: Any, board: Any) -> Any:
+def _on_node(
+    folder: str, function: Callable[[Any], Any], spec: Any, number: int, board: Any
+) -> Any:
     """Run one job on the node that it fell to, in the project's folder there."""
     if not Path(folder).is_dir():
         node = os.uname().nodename
         raise LfrError(f"node {node} has no folder {folder}; share the project's folder with it")
     os.chdir(folder)
-    with one_thread(), listening(partial(board.put.remote, index)):
+    with one_thread(), listening(partial(board.put.remote, number)):
         return as_json(function(spec))
 
 

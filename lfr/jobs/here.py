@@ -5,9 +5,8 @@ from __future__ import annotations
 import contextlib
 import os
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator
 from functools import partial
-from typing import Any
 
 from lfr.artifacts import as_json
 from lfr.jobs.order import Order
@@ -20,16 +19,14 @@ ONE_THREAD = {
 }
 
 
-def run_here(
-    function: Callable[[Any], Any], todo: Mapping[int, Any], order: Order, results: Results
-) -> None:
+def run_here(order: Order, results: Results) -> None:
     """Run the jobs here; what they raise comes through as it is."""
     with one_thread():
-        while (index := order.next()) is not None:
-            with listening(partial(results.report, index)):
-                result = as_json(function(todo[index]))
-            results.finish(index, result)
-            order.finish(index)
+        while (job := order.next()) is not None:
+            with listening(partial(results.report, job)):
+                result = as_json(job.function(job.spec))
+            results.finish(job, result)
+            order.finish(job)
 
 
 @contextlib.contextmanager

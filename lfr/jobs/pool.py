@@ -14,7 +14,6 @@ import signal
 import threading
 import traceback
 from collections import Counter
-from collections.abc import Callable, Mapping
 from multiprocessing import connection, forkserver, get_context, parent_process
 from multiprocessing.connection import Connection
 from typing import Any
@@ -22,6 +21,7 @@ from typing import Any
 from lfr.artifacts import as_json
 from lfr.errors import LfrError
 from lfr.jobs.here import one_thread
+from lfr.jobs.job import Job
 from lfr.jobs.memory import note_worker, own_peak
 from lfr.jobs.order import Order
 from lfr.jobs.results import Results, listening
@@ -29,12 +29,8 @@ from lfr.jobs.results import Results, listening
 ATTEMPTS = 2
 STOP_TIMEOUT = 2.0  # seconds to end on SIGTERM before SIGKILL
 
-Function = Callable[[Any], Any]
 
-
-def run_in_pool(
-    function: Function, todo: Mapping[int, Any], order: Order, workers: int, results: Results
-) -> None:
+def run_in_pool(order: Order, workers: int, results: Results) -> None:
     """Run the jobs in ``workers`` processes; a job whose process dies is tried once more.
 
     Raises:
@@ -42,40 +38,40 @@ def run_in_pool(
         OSError: a job raised it.
         RuntimeError: a job raised anything else; the message holds its traceback.
     """
-    attempts: Counter[int] = Counter()
-    idle = [_Worker(function) for _ in range(workers)]
+    attempts: Counter[Job] = Counter()
+    idle = [_Worker() for _ in range(workers)]
     busy: dict[Connection, _Worker] = {}
     try:
         while order or busy:
-            while idle and (index := order.next()) is not None:
+            while idle and (job := order.next()) is not None:
                 worker = idle.pop()
-                attempts[index] += 1
-                worker.start(index, todo[index])
+                attempts[job] += 1
+                worker.start(job)
                 busy[worker.pipe] = worker
             ready = connection.wait(busy)
             for worker in [busy[pipe] for pipe in list(busy) if pipe in ready]:
                 kind, value = worker.receive()
                 if kind == "report":
-                    results.report(worker.index, value)
+                    results.report(worker.job, value)
                     continue
                 if kind == "memory":
                     note_worker(value)
                     continue
                 del busy[worker.pipe]
                 if kind == "result":
-                    results.finish(worker.index, value)
-                    order.finish(worker.index)
+                    results.finish(worker.job, value)
+                    order.finish(worker.job)
                     idle.append(worker)
                 elif kind == "error":
                     idle.append(worker)
                     raise value
                 else:
                     worker.stop()
-                    idle.append(_Worker(function))
-                    if attempts[worker.index] == ATTEMPTS:
-                        raise LfrError(_death(todo[worker.index], worker.process.exitcode))
-                    results.report(worker.index, 0.0)
-                    order.again(worker.index)
+                    idle.append(_Worker())
+                    if attempts[worker.job] == ATTEMPTS:
+                        raise LfrError(_death(worker.job.spec, worker.process.exitcode))
+                    results.report(worker.job, 0.0)
+                    order.again(worker.job)
     finally:
         for worker in [*idle, *busy.values()]:
             worker.process.terminate()
@@ -84,24 +80,24 @@ def run_in_pool(
 
 
 class _Worker:
-    """A process and this end of its pipe."""
+    """A process, this end of its pipe, and the job that it was last given."""
 
-    index = -1
+    job: Job
 
-    def __init__(self, function: Function) -> None:
+    def __init__(self) -> None:
         self.pipe, theirs = connection.Pipe()
         context = get_context("forkserver")
         with one_thread():  # the workers' environment is the server's
             forkserver.set_forkserver_preload([__name__])  # once, not in each worker
             forkserver.ensure_running()
-        self.process = context.Process(target=_work, args=(theirs, function), daemon=True)
+        self.process = context.Process(target=_work, args=(theirs,), daemon=True)
         self.process.start()
         theirs.close()  # so that the pipe ends when the worker does
 
-    def start(self, index: int, spec: Any) -> None:
-        self.index = index
+    def start(self, job: Job) -> None:
+        self.job = job
         with contextlib.suppress(OSError):  # it died while idle; `receive` says so
-            self.pipe.send(spec)
+            self.pipe.send((job.function, job.spec))
 
     def receive(self) -> tuple[str, Any]:
         try:
@@ -117,14 +113,14 @@ class _Worker:
         self.pipe.close()
 
 
-def _work(pipe: Connection, function: Function) -> None:
-    """A worker's life: run specs until the pipe ends."""
+def _work(pipe: Connection) -> None:
+    """A worker's life: run jobs until the pipe ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the parent, which ends us
     threading.Thread(target=_end_with_parent, daemon=True).start()
     with listening(lambda fraction: pipe.send(("report", fraction))):
         while True:
             try:
-                spec = pipe.recv()
+                function, spec = pipe.recv()
             except EOFError:
                 return
             try:

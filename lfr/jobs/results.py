@@ -10,6 +10,8 @@ from typing import Any
 
 from tqdm import tqdm
 
+from lfr.jobs.job import Job
+
 REPORT_INTERVAL = 0.2  # seconds between two reports that go on; a job may call as often as it likes
 
 Send = Callable[[float], None]
@@ -55,22 +57,22 @@ def listening(send: Send) -> Iterator[None]:
 class Results:
     """Moves the bar by the sum of all jobs' fractions and hands finished results on."""
 
-    def __init__(self, bar: tqdm, keep: Callable[[int, Any], None]) -> None:
+    def __init__(self, bar: tqdm, keep: Callable[[Job, Any], None]) -> None:
         self._bar = bar
         self._keep = keep
         self._before = bar.n  # results of an earlier run
         self._finished = 0
-        self._fractions: dict[int, float] = {}
+        self._fractions: dict[Job, float] = {}
 
-    def report(self, index: int, fraction: float) -> None:
-        """The job ``index`` has come this far; a job that starts again goes back."""
-        self._fractions[index] = fraction
+    def report(self, job: Job, fraction: float) -> None:
+        """A job has come this far; one that starts again goes back."""
+        self._fractions[job] = fraction
         self._draw()
 
-    def finish(self, index: int, result: Any) -> None:
-        """The job ``index`` has ended with this result, in JSON's types."""
-        self._keep(index, result)
-        self._fractions.pop(index, None)
+    def finish(self, job: Job, result: Any) -> None:
+        """A job has ended with this result, in JSON's types."""
+        self._keep(job, result)
+        self._fractions.pop(job, None)
         self._finished += 1
         self._draw()
 

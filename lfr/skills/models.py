@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
@@ -14,6 +14,7 @@ from torch import Tensor
 from lfr.artifacts import fingerprint
 from lfr.data.windows import WindowBatch
 from lfr.external import ExternalArm
+from lfr.jobs import Job
 from lfr.scenarios import Role, Scenario, Transfer, visible_tasks
 from lfr.skills.artifacts import Seen, load_vae, save_prior, save_vae
 from lfr.skills.demonstrations import DATASETS, Demonstrations, balanced, read_visible
@@ -78,7 +79,7 @@ def model_jobs(
     folder: Path,
     datasets: Path = DATASETS,
     arms: Mapping[str, ExternalArm] = MappingProxyType({}),
-) -> tuple[list[ModelJob], dict[int, int]]:
+) -> list[Job]:
     """Jobs that train source, target and oracle into ``folder/<role>/{vae,prior-<task>}``.
 
     Args:
@@ -86,44 +87,39 @@ def model_jobs(
         arms: those that are external, by name.
 
     Returns:
-        The jobs, VAEs first, and for each prior's number that of its VAE, which it needs.
+        Jobs of `ModelJob`, VAEs first; each prior's needs that of its VAE.
     """
 
-    def job(role: Role, robot: str, task: str | None) -> ModelJob:
+    def spec(role: Role, robot: str, task: str | None = None) -> ModelJob:
         return ModelJob(
             scenario, robot, role, task, _suited(params, arms.get(robot)), seed, str(folder),
             str(datasets), arms.get(robot),
         )  # fmt: skip
 
     roles = roles_of(transfer)
-    jobs = [job(role, robot, None) for role, robot in roles.items()]
-    vaes = {one.role: place for place, one in enumerate(jobs)}
-    jobs += [
-        job(role, robot, task)
+    vaes = {role: Job(fit_vae, spec(role, robot)) for role, robot in roles.items()}
+    priors = [
+        Job(fit_prior, spec(role, robot, task), (vaes[role],))
         for role, robot in roles.items()
         for task in prior_tasks(scenario, robot, role)
     ]
-    return jobs, {place: vaes[one.role] for place, one in enumerate(jobs) if one.task is not None}
+    return [*vaes.values(), *priors]
 
 
-def model_report(jobs: Sequence[ModelJob], found: Sequence[Any]) -> dict[str, dict[str, Any]]:
-    """What `fit_model` gave for each of `model_jobs`, by role.
+def model_report(found: Mapping[Job, Any]) -> dict[str, dict[str, Any]]:
+    """What each of `model_jobs` gave, by role.
 
     Robot, tasks seen, and on held-out episodes the VAE's reconstruction error per action dimension,
     the divergence of its posterior to N(0, I), and of the posterior to each prior.
     """
     report: dict[str, dict[str, Any]] = {}
-    for one, metrics in zip(jobs, found, strict=True):
+    for job, metrics in found.items():
+        one: ModelJob = job.spec
         if one.task is None:
             report[one.role] = {"robot": one.robot, **metrics, "prior": {}}
         else:
             report[one.role]["prior"][one.task] = metrics
     return report
-
-
-def fit_model(job: ModelJob) -> dict[str, Any]:
-    """Train and save the skill VAE or the prior that a job names; its held-out report."""
-    return fit_vae(job) if job.task is None else fit_prior(job)
 
 
 def fit_vae(job: ModelJob) -> dict[str, Any]:

@@ -14,9 +14,7 @@ from lfr.skills.symmetry import moved_copies
 from lfr.skills.vae import SkillVAE, vae_loss
 
 
-def train_vae(
-    actions: Tensor, names: Sequence[str], params: VAEParams, seed: int
-) -> SkillVAE:
+def train_vae(actions: Tensor, names: Sequence[str], params: VAEParams, seed: int) -> SkillVAE:
     """A skill VAE of action windows (N, H, A) in [-1, 1], named ``names``, all tasks together.
 
     Every task counts alike only if its windows do: give it as many as it should weigh.

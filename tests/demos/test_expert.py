@@ -6,7 +6,6 @@ import pytest
 from lfr.demos.attempt import AttemptParams, attempt
 from lfr.demos.expert import PERTURBATION_STEPS, Expert, ExpertParams
 from lfr.robots import ROBOTS
-from lfr.spaces import Space
 from lfr.sim.simulation import simulation
 from lfr.tasks import TASKS, task
 

@@ -7,7 +7,6 @@ import torch
 
 from lfr.lerobot_plugin.export import export_policy
 from lfr.mapping.generator import Generator
-from lfr.spaces import Space
 from lfr.skills.prior import SkillPrior
 from lfr.skills.vae import SkillVAE
 from lfr.tasks import task

@@ -22,7 +22,6 @@ from lfr.evaluation.rollouts import roll_out
 from lfr.lerobot_plugin.configuration_lfr import LfrConfig, features_of
 from lfr.lerobot_plugin.env_config import LfrEnv
 from lfr.seeds import episode_seed
-from lfr.spaces import Space
 from lfr.sim.simulation import simulation
 from lfr.tasks import task
 

@@ -15,7 +15,6 @@ import pytest
 from lfr.data.dataset import pack_dataset
 from lfr.data.episode import EpisodeInfo
 from lfr.data.log import EpisodeLog, Frame
-from lfr.spaces import Space
 from lfr.tasks import task
 
 PLUGIN = "--env.discover_packages_path=lfr.lerobot_plugin"

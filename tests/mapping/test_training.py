@@ -11,7 +11,6 @@ from torch import nn
 from lfr.mapping.generator import Generator
 from lfr.mapping.report import common_report, decoded_difference, new_task_report
 from lfr.mapping.training import CommonTask, MappingParams, paired, train_mapping
-from lfr.spaces import Space
 from lfr.skills.prior import SkillPrior
 from lfr.skills.symmetry import SymmetryParams
 from lfr.skills.vae import SkillVAE

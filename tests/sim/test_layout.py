@@ -3,7 +3,6 @@
 import pytest
 
 from lfr.errors import UnknownNameError
-from lfr.spaces import Space
 from lfr.tasks import TASKS
 
 

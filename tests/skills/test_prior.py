@@ -8,7 +8,6 @@ import torch
 from torch.distributions import Independent, Normal, kl_divergence
 
 from lfr.errors import DataError
-from lfr.spaces import Space
 from lfr.skills.artifacts import (
     Seen,
     load_prior,

@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 
 from lfr.demos.expert import Expert, ExpertParams
 from lfr.errors import LfrError
-from lfr.spaces import Space
 from lfr.skills.rows import MOST_ROWS, thinned
 from lfr.skills.symmetry import (
     SceneMotion,

@@ -13,7 +13,6 @@ from lfr.evaluation.trials import Trial
 from lfr.mapping.artifacts import MappingSeen, save_generator
 from lfr.mapping.generator import Generator
 from lfr.scenarios import Scenario, transfers_of
-from lfr.spaces import Space
 from lfr.skills.artifacts import Seen, save_prior, save_vae
 from lfr.skills.policy import SkillPolicy
 from lfr.skills.prior import SkillPrior

@@ -12,7 +12,6 @@ from lfr.columns import ActionSpace
 from lfr.data.windows import WindowBatch
 from lfr.errors import LfrError
 from lfr.scenarios import Scenario, check_visible, transfers_of
-from lfr.spaces import Space
 from lfr.skills.artifacts import Seen, load_prior, load_seen, load_vae, save_vae
 from lfr.skills.demonstrations import Demonstrations
 from lfr.skills.params import PriorParams, SkillsParams, VAEParams

@@ -13,7 +13,6 @@ from lfr.mapping.generator import Generator
 from lfr.mapping.models import Material, mapping_job
 from lfr.mapping.training import CommonTask, MappingParams, paired, train_mapping
 from lfr.scenarios import Scenario, transfers_of
-from lfr.spaces import Space
 from lfr.skills.prior import SkillPrior
 from lfr.skills.symmetry import SymmetryParams
 from lfr.skills.vae import SkillVAE
