@@ -16,12 +16,12 @@ from pathlib import Path
 from typing import Any
 
 from lfr.artifacts import fingerprint, provenance, write_json
-from lfr.evaluation.rollouts import roll_out
 from lfr.evaluation.statistics import success_of
 from lfr.jobs import run_jobs
 from lfr.mapping.models import MappingJob, mapping_job, read_material
 from lfr.mapping.training import MappingParams, train_mapping
 from lfr.params import read_section
+from lfr.policies import roll_out
 from lfr.scenarios import scenario, transfer
 from lfr.seeds import episode_seed
 from lfr.skills.artifacts import load_vae

@@ -1,29 +1,17 @@
-"""Trials of recurrent policies, which begin every episode anew, and their training before them."""
+"""Trials of recurrent policies, and their training before them."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
-import numpy as np
-
-from lfr.evaluation import trials
-from lfr.evaluation.rollouts import Judge, Outcome, roll_out
-from lfr.evaluation.trials import JudgeName, Trial, named_shards, summaries
+from lfr.evaluation.trials import Trial, named_shards, run_trial, summaries
 from lfr.imitation.artifacts import load_policy
 from lfr.imitation.models import ImitationJob, fit_imitation
 from lfr.imitation.policy import RecurrentPolicy
 from lfr.jobs import run_jobs
-from lfr.seeds import episode_seed
-
-
-class EpisodicPolicy(Protocol):
-    """A policy that remembers within an episode and is told when one begins."""
-
-    def reset(self, seed: int = 0) -> None: ...
-    def act(self, observation: np.ndarray) -> np.ndarray: ...
 
 
 @dataclass(frozen=True)
@@ -66,31 +54,4 @@ def train_and_judge(
 
 def run_part(part: ImitationJob | Trial) -> Any:
     """A policy to train, or a shard of a trial of one."""
-    return fit_imitation(part) if isinstance(part, ImitationJob) else run_imitated(part)
-
-
-def run_imitated(trial: Trial) -> list[Outcome]:
-    """`lfr.evaluation.trials.run_trial` for a policy that is to be told when an episode begins."""
-    policy = trial.policy.load()
-    assert isinstance(policy, RecurrentPolicy)
-    simulation = judge_named(trial.judge, trial.robot, trial.task)
-    numbers = range(trial.first, trial.first + trial.episodes)
-    return roll_out_anew(policy, simulation, [episode_seed("held-out", i) for i in numbers])
-
-
-def roll_out_anew(policy: EpisodicPolicy, simulation: Judge, seeds: list[int]) -> list[Outcome]:
-    """One episode per seed, the policy reset with that seed before each."""
-    outcomes: list[Outcome] = []
-    for seed in seeds:
-        policy.reset(seed)
-        outcomes += roll_out(policy, simulation, [seed])
-    return outcomes
-
-
-def judge_named(name: JudgeName, robot: str, task: str) -> Judge:
-    """The simulation that judges: the engine, or stock robosuite; kept for the next trial.
-
-    Raises:
-        UnknownNameError: there is no such judge.
-    """
-    return trials._judge(name, robot, task)
+    return fit_imitation(part) if isinstance(part, ImitationJob) else run_trial(part)

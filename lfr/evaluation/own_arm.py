@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from lfr.evaluation.policies import SkillFiles
 from lfr.evaluation.trials import Trial, run_trial, shards_of, summaries
 from lfr.jobs import run_jobs
 from lfr.skills.models import ModelJob, fit_model, model_report
+from lfr.skills.policy import SkillFiles
 
 
 def train_and_measure(

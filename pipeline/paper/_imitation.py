@@ -19,7 +19,7 @@ from pipeline.paper._stage import PARAMS, judging, seeds_into
 CODE = (
     "lfr.imitation", "lfr.skills.artifacts", "lfr.skills.prior", "lfr.models", "lfr.data",
     "lfr.columns", "lfr.scenarios", "lfr.sim", "lfr.seeds", "lfr.robots", "lfr.tasks",
-    "lfr.evaluation.imitated", "lfr.evaluation.rollouts", "lfr.evaluation.trials",
+    "lfr.evaluation.imitated", "lfr.policies", "lfr.evaluation.trials",
 )  # fmt: skip
 
 

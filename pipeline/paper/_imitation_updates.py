@@ -17,7 +17,6 @@ from pathlib import Path
 from typing import Any
 
 from lfr.artifacts import provenance, write_json
-from lfr.evaluation.imitated import roll_out_anew
 from lfr.evaluation.statistics import success_of
 from lfr.imitation.artifacts import load_policy
 from lfr.imitation.models import ImitationJob, fit_imitation
@@ -25,6 +24,7 @@ from lfr.imitation.params import ImitationParams
 from lfr.imitation.policy import RecurrentPolicy
 from lfr.jobs import run_jobs
 from lfr.params import read_section
+from lfr.policies import roll_out
 from lfr.scenarios import scenario, transfer
 from lfr.seeds import episode_seed
 from lfr.skills.demonstrations import DATASETS
@@ -56,7 +56,7 @@ def run_try(one: Try) -> dict[str, Any]:
     starts = [episode_seed("learning", FIRST + i) for i in range(one.episodes)]
     success = {}
     for name, robot in (("own_arm", one.job.robot), ("target", one.target)):
-        outcomes = roll_out_anew(policy, simulation(robot, one.job.task), starts)
+        outcomes = roll_out(policy, simulation(robot, one.job.task), starts)
         success[name] = vars(success_of(sum(o.success for o in outcomes), one.episodes))
     rate = one.job.params.learning_rate
     return {"learning_rate": rate, **fitted, "cpu": round(cpu, 1), **success}

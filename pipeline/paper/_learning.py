@@ -19,7 +19,7 @@ CODE = (
     "lfr.transfer", "lfr.ablations.other_task", "lfr.mapping.artifacts", "lfr.mapping.generator",
     "lfr.models", "lfr.skills.artifacts", "lfr.skills.gaussian", "lfr.skills.prior",
     "lfr.skills.vae", "lfr.sim", "lfr.seeds", "lfr.robots", "lfr.tasks",
-    "lfr.evaluation.rollouts", "lfr.evaluation.trials",
+    "lfr.policies", "lfr.evaluation.trials",
 )  # fmt: skip
 
 

@@ -11,8 +11,8 @@ from lfr.evaluation.trials import Trial, success_rates
 CODE = (
     "lfr.ablations.other_task", "lfr.mapping", "lfr.skills", "lfr.models", "lfr.sim", "lfr.seeds",
     "lfr.robots", "lfr.tasks",
-    "lfr.evaluation.chain", "lfr.evaluation.policies", "lfr.evaluation.questions",
-    "lfr.evaluation.rollouts", "lfr.evaluation.trials",
+    "lfr.evaluation.chain", "lfr.evaluation.questions", "lfr.policies",
+    "lfr.evaluation.trials",
 )  # fmt: skip
 
 

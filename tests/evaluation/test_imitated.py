@@ -1,4 +1,4 @@
-"""Every episode of a policy that remembers begins with a reset; trials wait for their training."""
+"""Trials of recurrent policies wait for their training."""
 
 from __future__ import annotations
 
@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from lfr.evaluation import imitated, trials
-from lfr.evaluation.imitated import ImitatedFiles, roll_out_anew, train_and_judge
-from lfr.evaluation.rollouts import Outcome
+from lfr.evaluation.imitated import ImitatedFiles, train_and_judge
 from lfr.evaluation.trials import SHARD, Trial
 from lfr.imitation.artifacts import save_policy
 from lfr.imitation.models import ImitationJob
@@ -18,32 +17,10 @@ from lfr.scenarios import Scenario
 from lfr.seeds import use_of_seed
 from lfr.sim.layout import Steps
 from lfr.skills.artifacts import Seen
-from tests.evaluation.test_trials import Line
 from tests.imitation.made_up import SMALL, network
+from tests.made_up_policies import Line
 
 SCENARIO = Scenario("s1", ("pick_place", "nut_assembly"), {"panda": "lift", "sawyer": "stack"})
-
-
-class Tiring:
-    """Moves by 3, and by nothing from the third step since its last reset on."""
-
-    def __init__(self) -> None:
-        self.resets: list[int] = []
-
-    def reset(self, seed: int = 0) -> None:
-        self.resets.append(seed)
-        self.done = 0
-
-    def act(self, observation: np.ndarray) -> np.ndarray:
-        self.done += 1
-        return np.full(1, 3.0 if self.done < 3 else 0.0)
-
-
-def test_every_episode_begins_with_a_reset() -> None:
-    policy = Tiring()
-    outcomes = roll_out_anew(policy, Line(), [16, 17, 11])  # type: ignore[arg-type]
-    assert outcomes == [Outcome(16, True, 2), Outcome(17, True, 2), Outcome(11, False, 8)]
-    assert policy.resets == [16, 17, 11]
 
 
 def test_policies_are_judged_after_their_training_by_seed_and_name(
@@ -75,7 +52,7 @@ def test_policies_are_judged_after_their_training_by_seed_and_name(
             return replace(steps, observations=np.zeros((len(steps), 3)))
 
     monkeypatch.setattr(imitated, "fit_imitation", fit)
-    monkeypatch.setattr(trials, "_judge", lambda name, robot, task: Judged(robot))
+    monkeypatch.setattr(trials, "judge_named", lambda name, robot, task: Judged(robot))
     monkeypatch.setenv("RAY_ADDRESS", "")
     monkeypatch.setattr("os.cpu_count", lambda: 1)  # the patches are this process's alone
     folders = {seed: str(tmp_path / f"seed-{seed}") for seed in (3, 1)}
