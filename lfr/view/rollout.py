@@ -42,12 +42,12 @@ def roll_out_policy(
 
     It ends at the horizon, at divergence, or shortly after the first success.
     """
-    thinking, seen = _Thinking(actor), _Seen(simulation)
-    run_episode(thinking, seen, seed, linger=AFTER_SUCCESS)
-    return seen.episode(seed), thinking.trace()
+    policy, recorded = _TracedPolicy(actor), _RecordedSimulation(simulation)
+    run_episode(policy, recorded, seed, linger=AFTER_SUCCESS)
+    return recorded.episode(seed), policy.trace()
 
 
-class _Thinking:
+class _TracedPolicy:
     """The policy, with what it thought at every skill."""
 
     def __init__(self, actor: SkillActor) -> None:
@@ -57,7 +57,7 @@ class _Thinking:
         self.actor.reset(seed)
         self.starts: list[int] = []
         self.rows: list[list[NDArray[np.floating]]] = []
-        self.ahead = 0  # control steps until the next skill begins
+        self.next = 0  # control step at which the next skill begins
 
     def act(self, observation: NDArray[np.float64]) -> NDArray[np.float64]:
         from lfr.transfer.actor import as_tensor
@@ -67,8 +67,8 @@ class _Thinking:
         gaussians = (self.actor.prior.pi(batch), self.actor.prior(batch))  # p_a and phi(p_a)
         self.rows.append([_array(p) for p in (*choice, *(p for pair in gaussians for p in pair))])
         actions = self.actor.decode(choice.z)[0]
-        self.starts.append(self.ahead)
-        self.ahead += len(actions)
+        self.starts.append(self.next)
+        self.next += len(actions)
         return actions
 
     def trace(self) -> SkillTrace:
@@ -76,7 +76,7 @@ class _Thinking:
         return SkillTrace(np.array(self.starts), *columns)
 
 
-class _Seen:
+class _RecordedSimulation:
     """The simulation, with the frames of the episode under way."""
 
     def __init__(self, simulation: Simulation) -> None:
