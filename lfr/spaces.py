@@ -27,10 +27,13 @@ Moves = Literal[
     "with the base",
     "unknown",
 ]
-"""How a quantity changes when the scene is turned about the vertical, mirrored or shifted: as a
-point, as a vector, as an axial vector (a rotation vector), as a rotation matrix's first two columns,
-as a cosine and sine of an angle between two things of the scene (changed by a mirror alone), not at
-all, not by a turn about the base's vertical and in no known way by anything else, or unknown."""
+"""How a quantity changes when the scene is turned about the vertical, mirrored or shifted.
+
+As a point, a vector, an axial vector (a rotation vector), or the first two columns of a rotation
+matrix; as cosine and sine of an angle between two things of the scene, which a mirror alone
+changes; not at all; not by a turn about the base's vertical, and in no known way by anything else;
+or in no known way.
+"""
 
 BASE = "robot's base"
 XYZ = ("x", "y", "z")
@@ -263,8 +266,14 @@ JOINT = joint_position(())
 """The angles of joints called `joint.<name>`."""
 
 _NAMED = {
-    known.name: known for known in (*ROBOT_STATE.quantities, NUMBER, replace(JOINT, name="joint"))
+    known.name: known
+    for known in (
+        *ROBOT_STATE.quantities,
+        *(translation(), turn(), joint_motion(()), gripper_action()),
+        *(NUMBER, replace(JOINT, name="joint")),
+    )
 }
+_QUANTITY_OF = {name: known.name for known in (translation(), turn()) for name in known.names}
 
 _FORMS: dict[str, Callable[[str], Quantity]] = {
     "pos": position,

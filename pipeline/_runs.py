@@ -7,16 +7,12 @@ from pathlib import Path
 from typing import Any
 
 from lfr.scenarios import Transfer
-from lfr.sim.simulation import simulation
+from lfr.transfer.log import LearningLog
 from lfr.transfer.methods import initialize
 from lfr.transfer.methods.initialization import TrainedModels
 from lfr.transfer.model import save_policy
 from lfr.transfer.params import TransferParams
-from lfr.transfer.starts import evaluation_starts
 from lfr.transfer.train import train
-from lfr.view.learning import LearningLog
-from lfr.view.policy import save_policy_episode
-from lfr.view.rollout import roll_out_policy
 
 
 @dataclass(frozen=True)
@@ -24,8 +20,8 @@ class RunJob:
     """One run of a method on a transfer.
 
     Attributes:
-        folder: what the run leaves: the policies ``initial`` and ``policy``, ``learning.rrd`` and
-            ``episode-<env_steps>.rrd``; ``checkpoints`` while it learns.
+        folder: what the run leaves: the policies ``initial`` and ``policy``, and ``learning``, its
+            course (`lfr.transfer.log`); ``checkpoints`` while it learns.
         skills, mapping: folders of the transfer's models.
     """
 
@@ -48,19 +44,8 @@ def learn(job: RunJob) -> dict[str, Any]:
     described = {"robot": robot, "task": task, "seed": job.seed, **about}
     save_policy(folder / "initial", initialization.actor, described)
 
-    def sample(env_steps: int) -> None:
-        shown = simulation(robot, task)
-        seed = evaluation_starts(job.seed, 1)[0]
-        episode, trace = roll_out_policy(initialization.actor, shown, seed)
-        note = f"{env_steps} environment steps"
-        save_policy_episode(folder / f"episode-{env_steps:06d}.rrd", episode, trace, note=note)
-
-    title = f"{transfer.name} {job.method} seed {job.seed}"
-    log = LearningLog(folder / "learning.rrd", title, sample)
-    result = train(
+    log = LearningLog(folder / "learning", initialization.actor, described)
+    return train(
         initialization, robot, task, job.params, job.seed,
         out=folder / "policy", work=folder / "checkpoints", about=about, observer=log,
     )  # fmt: skip
-    log.catch_up(result["curve"])
-    log.close()
-    return result

@@ -19,7 +19,7 @@ from pipeline._stage import SeedParams, models_into, rows_of, unfinished_work, w
 CODE = (
     "lfr.mapping", "lfr.skills", "lfr.models", "lfr.data", "lfr.external", "lfr.columns",
     "lfr.sim", "lfr.scenarios", "lfr.seeds", "lfr.robots", "lfr.tasks", "lfr.evaluation.chain",
-    "lfr.evaluation.policies", "lfr.evaluation.rollouts", "lfr.evaluation.trials",
+    "lfr.policies", "lfr.evaluation.trials",
 )  # fmt: skip
 
 

@@ -20,7 +20,7 @@ from pipeline._stage import SeedParams, models_into, rows_of, unfinished_work, w
 CODE = (
     "lfr.skills", "lfr.models", "lfr.data", "lfr.external", "lfr.columns", "lfr.sim",
     "lfr.scenarios", "lfr.seeds", "lfr.robots", "lfr.tasks", "lfr.evaluation.own_arm",
-    "lfr.evaluation.policies", "lfr.evaluation.rollouts", "lfr.evaluation.trials",
+    "lfr.policies", "lfr.evaluation.trials",
 )  # fmt: skip
 
 

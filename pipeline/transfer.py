@@ -25,7 +25,10 @@ CODE = (
 
 
 def main(transfer: str, method: str) -> None:
-    """Train models/transfer/<transfer>-<method>/seed-<n>, one run for each of seeds.transfer."""
+    """Train models/transfer/<transfer>-<method>/seed-<n>, one run for each of seeds.transfer.
+
+    The course of each run goes to models/learning/<transfer>-<method>/seed-<n>.
+    """
     chosen = transfer_named(transfer)
     method_named(method)
     params = read_section(TransferParams, "transfer")
@@ -44,7 +47,11 @@ def main(transfer: str, method: str) -> None:
 
     with write_whole(Path("models/transfer") / name) as partial:
         for seed, folder in folders.items():
-            _gather(folder, partial / f"seed-{seed}")
+            shutil.copytree(folder / "policy", partial / f"seed-{seed}")
+            shutil.copytree(folder / "initial", partial / f"seed-{seed}" / "initial")
+    with write_whole(Path("models/learning") / name) as partial:
+        for seed, folder in folders.items():
+            shutil.copytree(folder / "learning", partial / f"seed-{seed}")
     _write_curves(Path("results/transfer") / f"{name}.csv", runs)
     seen = [load_seen(skills / role / "vae") for role in ("source", "target")]
     about = {
@@ -60,14 +67,6 @@ def main(transfer: str, method: str) -> None:
     write_metrics("transfer", name, about)
     for folder in folders.values():  # the replay buffers: large, and of no more use
         shutil.rmtree(folder / "checkpoints", ignore_errors=True)
-
-
-def _gather(folder: Path, final: Path) -> None:
-    """The final policy, beside it the one before any RL and the recordings to look at."""
-    shutil.copytree(folder / "policy", final)
-    shutil.copytree(folder / "initial", final / "initial")
-    for recording in sorted(folder.glob("*.rrd")):
-        shutil.copyfile(recording, final / recording.name)
 
 
 def _write_curves(path: Path, runs: list[dict[str, Any]]) -> None:

@@ -1,4 +1,4 @@
-"""Trials of recurrent policies, which begin every episode anew, and their training before them."""
+"""Trials of recurrent policies, and their training before them."""
 
 from __future__ import annotations
 
@@ -6,25 +6,13 @@ import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
-import numpy as np
-
-from lfr.evaluation import trials
-from lfr.evaluation.rollouts import Judge, Outcome, roll_out
-from lfr.evaluation.trials import Trial, shards_of, success_rate
+from lfr.evaluation.trials import Trial, run_trial, shards_of, success_rate
 from lfr.jobs import Job, run_jobs
-from lfr.seeds import episode_seed
 from studies.imitation.cloning import ImitationJob, fit_imitation
 from studies.imitation.recurrent_policy import RecurrentPolicy
 from studies.imitation.saved_policies import load_policy
-
-
-class EpisodicPolicy(Protocol):
-    """A policy that remembers within an episode and is told when one begins."""
-
-    def reset(self, seed: int = 0) -> None: ...
-    def act(self, observation: np.ndarray) -> np.ndarray: ...
 
 
 @dataclass(frozen=True)
@@ -56,28 +44,10 @@ def train_and_judge(
     """
     training = {seed: Job(fit_imitation, spec) for seed, spec in policies.items()}
     shards = {
-        key: [Job(run_recurrent, shard, (training[key[0]],)) for shard in shards_of(trial)]
+        key: [Job(run_trial, shard, (training[key[0]],)) for shard in shards_of(trial)]
         for key, trial in judged.items()
     }
     jobs = [*training.values(), *itertools.chain(*shards.values())]
     done = run_jobs(jobs, work=work, description=description, unit="part")
     fitted = {seed: done[job] for seed, job in training.items()}
     return fitted, {key: success_rate(trial, done) for key, trial in shards.items()}
-
-
-def run_recurrent(trial: Trial) -> list[Outcome]:
-    """`lfr.evaluation.trials.run_trial` for a policy that is to be told when an episode begins."""
-    policy = trial.policy.load()
-    assert isinstance(policy, RecurrentPolicy)
-    simulation = trials.judge_named(trial.judge, trial.robot, trial.task)
-    numbers = range(trial.first, trial.first + trial.episodes)
-    return roll_out_anew(policy, simulation, [episode_seed("held-out", i) for i in numbers])
-
-
-def roll_out_anew(policy: EpisodicPolicy, simulation: Judge, seeds: list[int]) -> list[Outcome]:
-    """One episode per seed, the policy reset with that seed before each."""
-    outcomes: list[Outcome] = []
-    for seed in seeds:
-        policy.reset(seed)
-        outcomes += roll_out(policy, simulation, [seed])
-    return outcomes

@@ -16,14 +16,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from lfr.artifacts import fingerprint
-from lfr.evaluation.chain import MappedFiles, chain_trials
-from lfr.evaluation.policies import SkillFiles
+from lfr.evaluation.chain import chain_trials
 from lfr.evaluation.trials import Trial
 from lfr.mapping.artifacts import load_generator
+from lfr.mapping.policy import MappedFiles
+from lfr.policies import Pinned
 from lfr.scenarios import Transfer
 from lfr.skills.artifacts import load_vae
-from lfr.skills.policy import SkillPolicy
+from lfr.skills.policy import SkillFiles, SkillPolicy
 from studies.ablations.other_task import load_other_task
 
 PHI = ("linear", "no_cycle", "shuffled", "untrained", "constant")
@@ -47,23 +47,6 @@ class WrongTaskFiles:
 Files = SkillFiles | MappedFiles | WrongTaskFiles
 
 
-@dataclass(frozen=True)
-class KnownFiles:
-    """A policy's folders with a fingerprint of what lies in them, so that it is judged anew if
-    that changes."""
-
-    files: Files
-    content: str
-
-    @classmethod
-    def of(cls, files: Files) -> KnownFiles:
-        """Raises DataError where a folder is missing."""
-        return cls(files, fingerprint(*(Path(folder) for folder in vars(files).values() if folder)))
-
-    def load(self) -> SkillPolicy:
-        return self.files.load()
-
-
 def model_trials(transfer: Transfer, models: Path, episodes: int) -> dict[str, Trial]:
     """The policies that need a repetition's ``skills`` and ``mapping`` alone, in ``models``."""
     skills, task = models / "skills", transfer.task
@@ -73,7 +56,7 @@ def model_trials(transfer: Transfer, models: Path, episodes: int) -> dict[str, T
         oracle = str(skills / "oracle" / "vae")
         policies["oracle"] = SkillFiles(str(skills / "oracle" / f"prior-{task}"), oracle)
         policies["oracle_decoder"] = SkillFiles(prior, oracle, encoder=vae)
-    own = Trial(KnownFiles.of(SkillFiles(prior, vae)), transfer.source, task, episodes)
+    own = Trial(Pinned.of(SkillFiles(prior, vae)), transfer.source, task, episodes)
     chain = chain_trials(transfer, skills, models / "mapping", episodes)
     return {
         "own_arm": own,
@@ -106,17 +89,17 @@ def variant_trials(
     )
     return {
         **_on_target(transfer, policies, episodes),
-        "between_seeds": Trial(KnownFiles.of(between), transfer.source, task, episodes),
+        "between_seeds": Trial(Pinned.of(between), transfer.source, task, episodes),
     }
 
 
 def _on_target(transfer: Transfer, policies: dict[str, Files], episodes: int) -> dict[str, Trial]:
     return {
-        name: Trial(KnownFiles.of(files), transfer.target, transfer.task, episodes)
+        name: Trial(Pinned.of(files), transfer.target, transfer.task, episodes)
         for name, files in policies.items()
     }
 
 
 def _known(trial: Trial) -> Trial:
     assert isinstance(trial.policy, SkillFiles | MappedFiles)
-    return replace(trial, policy=KnownFiles.of(trial.policy))
+    return replace(trial, policy=Pinned.of(trial.policy))

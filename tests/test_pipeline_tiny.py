@@ -1,4 +1,4 @@
-"""All seven stages end to end at a tiny size; through DVC; killed in the middle and resumed."""
+"""All stages end to end at a tiny size; through DVC; killed in the middle and resumed."""
 
 from __future__ import annotations
 
@@ -99,13 +99,27 @@ def test_what_a_model_says_it_has_seen_is_what_is_there(project: Path) -> None:
 
 def test_a_run_can_be_looked_at(project: Path) -> None:
     folder = project / "models/transfer" / RUN / "seed-0"
-    names = {path.name for path in folder.iterdir()}
-    assert {"config.json", "model.safetensors", "initial", "learning.rrd"} <= names
-    assert sum(name.startswith("episode-") for name in names) >= 2
+    assert {path.name for path in folder.iterdir()} == {
+        "config.json", "model.safetensors", "initial",
+    }  # fmt: skip
+    learning = project / "models/learning" / RUN / "seed-0"
+    policies = sorted(path.name for path in learning.glob("policy-*"))
+    assert {path.name for path in learning.iterdir()} == {"curve.csv", "updates.csv", *policies}
+    assert policies[0] == "policy-000000"
+    assert len(policies) == 3
+    for name, other in ((policies[0], folder / "initial"), (policies[-1], folder)):
+        tensors = (learning / name / "model.safetensors").read_bytes()
+        assert tensors == (other / "model.safetensors").read_bytes()
     header, *rows = (project / "results/transfer" / f"{RUN}.csv").read_text().splitlines()
     assert header.startswith("seed,env_steps,")
     assert rows[0].startswith("0,0,")
     assert len(rows) >= 3
+    ours = (learning / "curve.csv").read_text().splitlines()
+    assert [f"seed,{ours[0]}", *(f"0,{row}" for row in ours[1:])] == [header, *rows]
+    recordings = project / "recordings" / RUN / "seed-0"
+    assert {path.name for path in recordings.iterdir()} == {
+        "learning.rrd", *(f"{name.replace('policy', 'episode')}.rrd" for name in policies),
+    }  # fmt: skip
 
 
 @pytest.mark.slow
@@ -165,8 +179,9 @@ def _assert_same(one: Path, other: Path) -> None:
             assert found == expected, file.name
     for name in (f"results/transfer/{RUN}.csv", "results/chain.json", "results/table.md"):
         assert (other / name).read_bytes() == (one / name).read_bytes()
-    for file in sorted((one / "models").rglob("model.safetensors")):
-        assert (other / file.relative_to(one)).read_bytes() == file.read_bytes()
+    for pattern in ("model.safetensors", "*.csv"):
+        for file in sorted((one / "models").rglob(pattern)):
+            assert (other / file.relative_to(one)).read_bytes() == file.read_bytes()
     for log in list_logs(one / "data/logs/panda-lift"):
         first, second = read_log(log), read_log(other / log.relative_to(one))
         assert np.array_equal(first.simulator_state, second.simulator_state)

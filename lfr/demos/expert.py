@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lfr.demos.waypoints import WAYPOINTS
+import lfr.tasks
 from lfr.spaces import Space
 
 # The controller's action of 1 moves its goal by this much: OSC_POSE's output_max in robosuite.
@@ -46,13 +46,12 @@ class Expert:
     """
 
     def __init__(self, task: str, layout: Space, params: ExpertParams) -> None:
-        self.waypoint = WAYPOINTS[task]
+        self.waypoint = lfr.tasks.task(task).waypoint
         self.params = params
-        groups = dict.fromkeys(name.split(".")[0] for name in layout.names)
         self.disturbance = np.zeros(6)
         self.push, self.pushed = np.zeros(6), 0  # the perturbation, and for how many more steps
         self.slipping = 0
-        self.slices = {group: layout.slice(group) for group in groups}
+        self.slices = {quantity.name: place for quantity, place in layout.items()}
 
     def clean(self, observation: np.ndarray) -> np.ndarray:
         """The noiseless action (7,) in [-1, 1] for an observation (D,)."""

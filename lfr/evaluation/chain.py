@@ -16,32 +16,15 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from lfr.evaluation.policies import SkillFiles
 from lfr.evaluation.trials import Trial, success_rate, trial_jobs
 from lfr.jobs import Job, run_jobs
-from lfr.mapping.artifacts import load_generator
 from lfr.mapping.models import MappingJob, fit_mapping
+from lfr.mapping.policy import MappedFiles
 from lfr.scenarios import Transfer
-from lfr.skills.artifacts import load_prior, load_vae
-from lfr.skills.policy import SkillPolicy
-
-
-@dataclass(frozen=True)
-class MappedFiles:
-    """The folders of a skill prior, of G that translates it, and of the skill VAE that acts."""
-
-    prior: str
-    generator: str
-    decoder: str
-
-    def load(self) -> SkillPolicy:
-        """Raises DataError where a folder holds no such model, or a damaged one."""
-        translate = load_generator(Path(self.generator))
-        return SkillPolicy(load_prior(Path(self.prior)), translate, load_vae(Path(self.decoder)))
+from lfr.skills.policy import SkillFiles
 
 
 def chain_trials(

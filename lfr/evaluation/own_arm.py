@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from lfr.evaluation.policies import SkillFiles
 from lfr.evaluation.trials import Trial, success_rate, trial_jobs
 from lfr.jobs import Job, run_jobs
 from lfr.skills.models import ModelJob, model_report
+from lfr.skills.policy import SkillFiles
 
 
 def train_and_measure(

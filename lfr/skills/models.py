@@ -128,7 +128,8 @@ def fit_vae(job: ModelJob) -> dict[str, Any]:
     demonstrations = _read(job, tasks)
     seed = model_seed(job)
     windows = {task: known.training.actions for task, known in demonstrations.items()}
-    vae = train_vae(balanced(windows, seed), job.params.vae, seed)
+    names = next(iter(demonstrations.values())).actions.names
+    vae = train_vae(balanced(windows, seed), names, job.params.vae, seed)
     save_vae(job.vae, vae, _seen(job, demonstrations))
     return {
         "tasks": tasks,
@@ -145,7 +146,9 @@ def fit_prior(job: ModelJob) -> dict[str, Any]:
     vae = load_vae(job.vae)
     seed = model_seed(job)
     start, actions = known.training.observations, known.training.actions
-    prior = train_prior(vae, start, actions, known.names, job.params.prior, seed)
+    prior = train_prior(
+        vae, start, actions, known.names, known.actions.names, job.params.prior, seed
+    )
     save_prior(job.prior, prior, _seen(job, demonstrations))
     return {
         "kl_training": _mean(divergence(vae, prior, known.training)),

@@ -3,8 +3,8 @@
 Under Cartesian control an arm's task looks the same in a scene that is turned about the vertical,
 mirrored, or shifted, up to its reach: the demonstrator would do the turned, mirrored actions. Under
 joint control it would do the same actions in a scene that is turned, and nothing is known of the
-other two. So fifty demonstrations tell more than fifty, and a prior cannot learn an episode by heart
-from where its objects stand. It does not hold for asymmetric hands.
+other two. So fifty demonstrations tell more than fifty, and a prior cannot learn an episode by
+heart from where its objects stand. It does not hold for asymmetric hands.
 """
 
 from __future__ import annotations

@@ -23,7 +23,7 @@ from lfr.artifacts import as_json
 from lfr.errors import LfrError
 from lfr.transfer.actor import as_tensor
 from lfr.transfer.checkpoint import load_checkpoint, save_checkpoint
-from lfr.transfer.environment import Array, Outcome, RewardRule, RunningEpisode, Simulated
+from lfr.transfer.environment import Array, Outcome, Resumable, RewardRule, RunningEpisode
 from lfr.transfer.learner import Learner
 from lfr.transfer.means import Means
 from lfr.transfer.methods.initialization import Initialization
@@ -63,7 +63,7 @@ class TransferLoop:
     def __init__(
         self,
         initialization: Initialization,
-        simulations: Sequence[Simulated],
+        simulations: Sequence[Resumable],
         params: TransferParams,
         seed: int,
         work: Path | None = None,

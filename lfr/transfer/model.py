@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -53,6 +54,17 @@ def load_policy(folder: Path) -> tuple[SkillActor, dict[str, Any]]:
         networks[name] = kind.build(entry["shape"], part, folder).requires_grad_(False)
     distributed = config.get("distribution", GAUSSIAN.name)
     return actor_of(networks, distributed, config.get("min_sigma", 0.0)), config["about"]
+
+
+@dataclass(frozen=True)
+class LearnedFiles:
+    """The folder of a policy saved by `save_policy`."""
+
+    policy: str
+
+    def load(self) -> SkillActor:
+        """Raises DataError where the folder holds no transferred policy, or a damaged one."""
+        return load_policy(Path(self.policy))[0]
 
 
 def actor_of(

@@ -19,15 +19,17 @@ from lfr.skills.artifacts import Seen, load_vae
 from lfr.skills.demonstrations import DATASETS, balanced, read_visible
 from lfr.skills.params import PriorParams
 from lfr.skills.training import train_prior
-from lfr.spaces import ROBOT_STATE
-from lfr.tasks import XYZ, Task
+from lfr.spaces import ROBOT_STATE, axis, displacement, position
+from lfr.tasks import Task
 from lfr.tasks import task as task_named
 from studies.ablations.other_task import asked_about, counterparts, save_other_task
 
 OBJECT = "object"
 ANY_TASK_NAMES: tuple[str, ...] = (
     *ROBOT_STATE.names,
-    *(f"{OBJECT}_{q}.{axis}" for q in ("pos", "up", "to_eef") for axis in XYZ),
+    *position(OBJECT).names,
+    *axis(OBJECT).names,
+    *displacement("eef", OBJECT).names,
 )
 """What is observed in all tasks: `observation.state`, and the manipulated object."""
 
@@ -51,15 +53,10 @@ class AnyTaskJob:
     datasets: str = str(DATASETS)
 
 
-def manipulated(task: Task) -> str:
-    """The object that a task is about."""
-    return next(iter(task.objects))
-
-
 def any_task_places(task: Task) -> tuple[int, ...]:
     """Where each of `ANY_TASK_NAMES` stands in a task's observation."""
     names = task.observation.names
-    return counterparts(ANY_TASK_NAMES, OBJECT, names, manipulated(task))
+    return counterparts(ANY_TASK_NAMES, OBJECT, names, task.manipulated)
 
 
 def fit_any_task(job: AnyTaskJob) -> dict[str, Any]:
@@ -78,9 +75,10 @@ def fit_any_task(job: AnyTaskJob) -> dict[str, Any]:
     together = balanced(rows, seed)
     observations, actions = together.tensor_split([len(ANY_TASK_NAMES)], dim=1)
     actions = actions.reshape(len(actions), vae.horizon, vae.action_dim)
-    inner = train_prior(vae, observations, actions, ANY_TASK_NAMES, job.params, seed)
+    names = known[transfer.common[0]].actions.names
+    inner = train_prior(vae, observations, actions, ANY_TASK_NAMES, names, job.params, seed)
     new = task_named(transfer.task)
-    prior = asked_about(inner, OBJECT, new.observation.names, manipulated(new))
+    prior = asked_about(inner, OBJECT, new.observation.names, new.manipulated)
     digests = {one.dataset: one.digest for one in known.values()}
     seen = Seen(job.scenario.name, transfer.target, "target", tuple(known), digests, seed,
                 known[transfer.common[0]].actions)  # fmt: skip

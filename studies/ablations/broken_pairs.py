@@ -9,7 +9,7 @@ import torch
 from torch import Tensor
 
 from lfr.mapping.generator import Generator
-from lfr.mapping.training import CommonTask, MappingParams, train_mapping
+from lfr.mapping.training import ActionWindows, CommonTask, MappingParams, train_mapping
 from lfr.skills.prior import SkillPrior
 from lfr.skills.vae import SkillVAE
 
@@ -37,7 +37,7 @@ class Unrelated:
 def shuffled(
     tasks: list[CommonTask],
     encoders: tuple[SkillVAE, SkillVAE],
-    windows: Tensor | None,
+    windows: ActionWindows | None,
     answers: Tensor,
     params: MappingParams,
     seed: int,

@@ -6,7 +6,7 @@ import torch
 from torch import Tensor, nn
 
 from lfr.mapping.generator import Generator
-from lfr.mapping.training import CommonTask, MappingParams, _posteriors, _sample
+from lfr.mapping.training import ActionWindows, CommonTask, MappingParams, _posteriors, _sample
 from lfr.skills.symmetry import moved_states
 from lfr.skills.vae import SkillVAE
 
@@ -17,7 +17,7 @@ BATCH = 2**12
 def pairs_of(
     tasks: list[CommonTask],
     encoders: tuple[SkillVAE, SkillVAE],
-    windows: Tensor | None,
+    windows: ActionWindows | None,
     params: MappingParams,
     seed: int,
     count: int = PAIRS,

@@ -12,8 +12,6 @@ from lfr.models import ModelKind
 from lfr.skills.artifacts import Seen
 from lfr.skills.prior import SkillPrior
 
-POSE = ("pos", "up", "to_eef", "yaw")  # what the layouts say of a manipulated object
-
 
 class OtherTaskPrior(nn.Module):
     """Maps observations (B, D) of a task to the ``(mu, log_sigma)`` (B, Z) of another's prior.
@@ -95,12 +93,13 @@ def counterparts(
 def meaning(name: str, manipulated: str) -> str:
     """A dimension's name with `object` and `goal` for what a task calls these."""
     group, _, part = name.partition(".")
-    quantity = group.removeprefix(f"{manipulated}_")
-    if quantity == group:
-        return name
-    if quantity in POSE:
-        return f"object_{quantity}.{part}"
-    return f"object_to_goal.{part}" if quantity.startswith("to_") else name
+    start, leads, end = group.partition("_to_")
+    if leads and start == manipulated:
+        return f"object_to_goal.{part}"
+    if leads and end == manipulated:
+        return f"{start}_to_object.{part}"
+    thing, _, form = group.rpartition("_")
+    return f"object_{form}.{part}" if thing == manipulated else name
 
 
 def save_other_task(folder: Path, prior: OtherTaskPrior, seen: Seen) -> None:

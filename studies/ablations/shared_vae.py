@@ -56,13 +56,14 @@ def fit_shared(job: SharedJob) -> dict[str, Any]:
     transfer, known = job.transfer, read_shared(job)
     seed = int(fingerprint("shared_vae", transfer.name, job.seed), 16) % 2**31
     windows = {f"{role}-{task}": one.training.actions for (role, task), one in known.items()}
-    vae = train_vae(balanced(windows, seed), job.params.vae, seed)
+    names = known["source", transfer.task].actions.names
+    vae = train_vae(balanced(windows, seed), names, job.params.vae, seed)
     folder = Path(job.folder)
     save_vae(folder / "vae", vae, _seen(job, known, seed))
 
     new = known["source", transfer.task]
     start, actions = new.training.observations, new.training.actions
-    prior = train_prior(vae, start, actions, new.names, job.params.prior, seed)
+    prior = train_prior(vae, start, actions, new.names, names, job.params.prior, seed)
     seen = Seen(job.scenario.name, transfer.source, "source", (transfer.task,),
                 {new.dataset: new.digest}, seed, new.actions)  # fmt: skip
     save_prior(folder / "prior", prior, seen)

@@ -9,11 +9,11 @@ from typing import Any
 
 from lfr.artifacts import file_hash, fingerprint
 from lfr.data.checks import check_dataset
-from lfr.data.episode import FPS, JOINT_POSITION, features
+from lfr.data.episode import FPS, JOINT_POSITION, features_of
 from lfr.data.windows import DemonstrationSet, read_dataset
+from lfr.embodiments import embodiment
 from lfr.scenarios import Scenario, check_visible
 from lfr.skills.artifacts import Seen
-from lfr.spaces import ROBOT_STATE
 from lfr.tasks import task as task_named
 from studies.imitation.imitation_params import ImitationParams
 from studies.imitation.likelihood import log_likelihood, train_bc
@@ -85,7 +85,7 @@ def read_recorded(path: Path, robot: str, task: str) -> DemonstrationSet:
     Raises:
         DataError: it is missing or not what training needs.
     """
-    expected = features(ROBOT_STATE.names, task_named(task).environment.names)
+    expected = features_of(embodiment(robot), task_named(task))
     # Joint names differ by robot, and nothing here learns from them.
     needed = {key: feature for key, feature in expected.items() if key != JOINT_POSITION}
     check_dataset(path, features=needed, fps=FPS, robot=robot, task=task)

@@ -1,4 +1,4 @@
-"""Every episode of a policy that remembers begins with a reset; trials wait for their training."""
+"""Trials of recurrent policies wait for their training."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from lfr.evaluation import trials
-from lfr.evaluation.rollouts import Outcome
 from lfr.evaluation.trials import SHARD, Trial
 from lfr.scenarios import Scenario
 from lfr.seeds import use_of_seed
@@ -18,33 +17,11 @@ from lfr.skills.artifacts import Seen
 from studies import imitation_trials
 from studies.imitation.cloning import ImitationJob
 from studies.imitation.saved_policies import save_policy
-from studies.imitation_trials import RecurrentPolicyFiles, roll_out_anew, train_and_judge
-from tests.evaluation.test_trials import Line
+from studies.imitation_trials import RecurrentPolicyFiles, train_and_judge
+from tests.made_up_policies import Line
 from tests.studies.imitation.made_up import SMALL, network
 
 SCENARIO = Scenario("s1", ("pick_place", "nut_assembly"), {"panda": "lift", "sawyer": "stack"})
-
-
-class Tiring:
-    """Moves by 3, and by nothing from the third step since its last reset on."""
-
-    def __init__(self) -> None:
-        self.resets: list[int] = []
-
-    def reset(self, seed: int = 0) -> None:
-        self.resets.append(seed)
-        self.done = 0
-
-    def act(self, observation: np.ndarray) -> np.ndarray:
-        self.done += 1
-        return np.full(1, 3.0 if self.done < 3 else 0.0)
-
-
-def test_every_episode_begins_with_a_reset() -> None:
-    policy = Tiring()
-    outcomes = roll_out_anew(policy, Line(), [16, 17, 11])  # type: ignore[arg-type]
-    assert outcomes == [Outcome(16, True, 2), Outcome(17, True, 2), Outcome(11, False, 8)]
-    assert policy.resets == [16, 17, 11]
 
 
 def test_policies_are_judged_after_their_training_by_seed_and_name(
