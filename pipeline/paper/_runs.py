@@ -9,11 +9,10 @@ from typing import Any
 from lfr.artifacts import file_hash, fingerprint
 from lfr.evaluation.trials import Trial, run_trial, shards_of
 from lfr.scenarios import Transfer
-from lfr.transfer.actor import SkillActor
 from lfr.transfer.methods import VARIANTS as NEEDED
 from lfr.transfer.methods import start_of
 from lfr.transfer.methods.start import TrainedModels
-from lfr.transfer.model import load_policy, save_policy
+from lfr.transfer.model import LearnedFiles, save_policy
 from lfr.transfer.params import TransferParams
 from lfr.transfer.train import train
 from pipeline.paper._stage import MODELS, VARIANTS, Judging
@@ -45,17 +44,6 @@ class PaperRun:
         return Path(self.work) / f"{name}-{fingerprint(self.params, self.models)}"
 
 
-@dataclass(frozen=True)
-class RunFiles:
-    """A policy in the folder of a run, which is named after all that the policy depends on."""
-
-    policy: str
-
-    def load(self) -> SkillActor:
-        """Raises DataError where the folder holds no transferred policy, or a damaged one."""
-        return load_policy(Path(self.policy))[0]
-
-
 def paper_run(
     transfer: Transfer,
     method: str,
@@ -75,13 +63,13 @@ def paper_run(
 def judgements(run: PaperRun, judging: Judging, *, zero_shot: bool) -> list[tuple[str, Trial]]:
     """The shards of all trials of a run, each with what it says: "zero_shot", or the judge."""
     robot, task = run.transfer.target, run.transfer.task
-    final = RunFiles(str(run.folder / "policy"))
+    final = LearnedFiles(str(run.folder / "policy"))
     trials = {
         "engine": Trial(final, robot, task, judging.episodes),
         "robosuite": Trial(final, robot, task, judging.stock_episodes, "robosuite"),
     }
     if zero_shot:
-        initial = RunFiles(str(run.folder / "initial"))
+        initial = LearnedFiles(str(run.folder / "initial"))
         trials["zero_shot"] = Trial(initial, robot, task, judging.episodes)
     return [(name, shard) for name, trial in trials.items() for shard in shards_of(trial)]
 
