@@ -45,10 +45,11 @@ class LearningLog(Observer):
         self._updates.add({"env_steps": env_steps, "updates": updates, **info})
 
     def on_evaluation(self, point: CurvePoint) -> None:
-        before = self._curve.add(dataclasses.asdict(point))
+        before = self._curve.before(point.env_steps)
         if any(before < part * self._total <= point.env_steps for part in KEPT_AT):
             about = {**self.about, "env_steps": point.env_steps}
             save_policy(self.folder / f"{POLICY}{point.env_steps:06d}", self.actor, about)
+        self._curve.add(dataclasses.asdict(point))  # whoever finds the row finds the policy
 
     def on_progress(self, env_steps: int, total: int) -> None:
         self._total = total
@@ -65,25 +66,32 @@ class _Table:
         self.path, self.columns = path, columns
         self._last: int | None = None  # env_steps of the last row, None until one is added
 
-    def add(self, row: Mapping[str, Any]) -> int:
-        """Write a row; returns the ``env_steps`` of the row before it, -1 if it is the first."""
-        before, self._last = self._last, row["env_steps"]
-        if before is not None:
+    def add(self, row: Mapping[str, Any]) -> None:
+        """Write a row; the first one makes room for itself."""
+        if self._last is None:
+            kept = self._written_before(row["env_steps"])
+            with write_whole(self.path) as partial:
+                header = ",".join(self.columns) + "\n"
+                partial.write_text(header + self._text([*kept, row]), encoding="utf-8")
+        else:
             with self.path.open("a", encoding="utf-8") as stream:
                 stream.write(self._text([row]))
-            return before
-        kept = [old for old in self._written() if int(old["env_steps"]) < row["env_steps"]]
-        with write_whole(self.path) as partial:
-            header = ",".join(self.columns) + "\n"
-            partial.write_text(header + self._text([*kept, row]), encoding="utf-8")
+        self._last = row["env_steps"]
+
+    def before(self, env_steps: int) -> int:
+        """The ``env_steps`` of the row before one of these, -1 if that is the first."""
+        if self._last is not None:
+            return self._last
+        kept = self._written_before(env_steps)
         return int(kept[-1]["env_steps"]) if kept else -1
 
-    def _written(self) -> list[dict[str, str]]:
+    def _written_before(self, env_steps: int) -> list[dict[str, str]]:
         if not self.path.is_file():
             return []
         text = self.path.read_text(encoding="utf-8")
         whole = text[: text.rfind("\n") + 1]  # without a row that was cut off
-        return list(csv.DictReader(io.StringIO(whole)))
+        rows = csv.DictReader(io.StringIO(whole))
+        return [row for row in rows if int(row["env_steps"]) < env_steps]
 
     def _text(self, rows: Sequence[Mapping[str, Any]]) -> str:
         out = io.StringIO()

@@ -1,8 +1,9 @@
 """Learning runs drawn from what they leave (`lfr.transfer.log`), at their end or as they go on.
 
-learning.rrd              the curves of `lfr.view.curve`
-episode-<env_steps>.rrd   an episode of each policy that was kept, from the run's first
-                          evaluation start
+    learning.rrd              the curves of `lfr.view.curve`
+    episode-<env_steps>.rrd   an episode of each policy that was kept
+
+The episodes all begin where the run's evaluations begin.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ class RunRecordings:
         return new
 
     def close(self) -> None:
-        """Finish the files; those of curves are complete after it."""
+        """Finish the files of the curves, which grow until then."""
         for run in self._runs.values():
             run.close()
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import torch
 
 from lfr.mapping.models import MappingJob, Material
-from lfr.mapping.training import CommonTask
+from lfr.mapping.training import ActionWindows, CommonTask
 from lfr.skills.artifacts import load_prior, load_vae
 from lfr.skills.demonstrations import balanced, read_visible
 from lfr.skills.prior import SkillPrior
@@ -49,10 +49,11 @@ def material_between(
 
     windows = {task: thinned(known[task].training.actions) for task in transfer.common}
     new = known[transfer.task]
+    shared = ActionWindows(balanced(windows, seed), new.actions.names)
     material = Material(
         training=common({task: known[task].training_states for task in transfer.common}),
         held_out=common({task: known[task].held_out_states for task in transfer.common}),
-        windows=balanced(windows, seed) if job.params.posterior_share else None,
+        windows=shared if job.params.posterior_share else None,
         new=(load_prior(folders[0] / f"prior-{transfer.task}", new.names), new.held_out_states),
         datasets={known[task].dataset: known[task].digest for task in transfer.common},
         action_names=new.actions.names,

@@ -9,7 +9,6 @@ from typing import Any
 from lfr.scenarios import Transfer
 from lfr.skills.artifacts import load_prior, load_seen
 from lfr.tasks import task as task_named
-from studies.ablations.any_task import manipulated
 from studies.ablations.other_task import asked_about, save_other_task
 
 
@@ -33,7 +32,7 @@ def make_wrong_task(job: WrongTaskJob) -> dict[str, Any]:
     folder = Path(job.skills) / "source" / f"prior-{wrong.name}"
     inner = load_prior(folder, wrong.observation.names)
     names = new.observation.names
-    prior = asked_about(inner, manipulated(wrong), names, manipulated(new))
+    prior = asked_about(inner, wrong.manipulated, names, new.manipulated)
     save_other_task(Path(job.folder) / "prior", prior, load_seen(folder))
     lacking = [name for name, c in zip(prior.inner_names, prior.columns, strict=True) if c < 0]
     return {"task": wrong.name, "lacking": lacking}
