@@ -13,12 +13,6 @@ from lfr.transfer.methods import method as method_named
 from lfr.transfer.model import LearnedFiles
 from pipeline._stage import SeedParams, unfinished_work, write_metrics
 
-CODE = (
-    "lfr.transfer", "lfr.mapping", "lfr.skills", "lfr.models",
-    "lfr.sim", "lfr.seeds", "lfr.robots", "lfr.tasks",
-    "lfr.policies", "lfr.evaluation.trials",
-)  # fmt: skip
-
 
 def main(transfer: str, method: str) -> None:
     """Judge the policies of models/transfer/<transfer>-<method>: zero-shot, and trained."""
@@ -40,7 +34,7 @@ def main(transfer: str, method: str) -> None:
         for number, judge in enumerate(params.judges):
             trials[f"{seed}/{judge}"] = trial(policy, number)
     # A trial names its policy by content, so that another seed runs its own trials alone.
-    work = unfinished_work("evaluate", name, code=CODE)
+    work = unfinished_work("evaluate", name)
     found = success_rates(trials, work, f"evaluate {name}")
     runs = [
         {

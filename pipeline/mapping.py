@@ -16,12 +16,6 @@ from lfr.skills.demonstrations import DATASETS
 from lfr.skills.params import SkillsParams
 from pipeline._stage import SeedParams, models_into, rows_of, unfinished_work, write_metrics
 
-CODE = (
-    "lfr.mapping", "lfr.skills", "lfr.models", "lfr.data", "lfr.external", "lfr.columns",
-    "lfr.sim", "lfr.scenarios", "lfr.seeds", "lfr.robots", "lfr.tasks", "lfr.evaluation.chain",
-    "lfr.policies", "lfr.evaluation.trials",
-)  # fmt: skip
-
 
 def main(transfer: str) -> None:
     """Train a transfer's mapping into models/mapping/<transfer> and measure its chain.
@@ -45,7 +39,7 @@ def main(transfer: str) -> None:
     ]
     inputs = rows_of(datasets)
     work = unfinished_work(
-        "mapping", transfer, chosen, params, held_out, seed, skills, arms, *inputs, code=CODE
+        "mapping", transfer, chosen, params, held_out, seed, skills, arms, *inputs
     )
 
     models = work / "models"

@@ -17,12 +17,6 @@ from lfr.skills.models import model_jobs, roles_of
 from lfr.skills.params import SkillsParams
 from pipeline._stage import SeedParams, models_into, rows_of, unfinished_work, write_metrics
 
-CODE = (
-    "lfr.skills", "lfr.models", "lfr.data", "lfr.external", "lfr.columns", "lfr.sim",
-    "lfr.scenarios", "lfr.seeds", "lfr.robots", "lfr.tasks", "lfr.evaluation.own_arm",
-    "lfr.policies", "lfr.evaluation.trials",
-)  # fmt: skip
-
 
 def main(transfer: str) -> None:
     """Train the skill models that a transfer needs into models/skills/<transfer>.
@@ -41,7 +35,7 @@ def main(transfer: str) -> None:
         for task in visible_tasks(scenario, robot, role)
     }
     inputs = rows_of(sorted(datasets))
-    work = unfinished_work("skills", transfer, scenario, params, seed, arms, *inputs, code=CODE)
+    work = unfinished_work("skills", transfer, scenario, params, seed, arms, *inputs)
 
     jobs = model_jobs(scenario, chosen, params, seed, work / "models", arms=arms)
     episodes = 0 if arms else read_section(EvaluateParams, "evaluate").episodes

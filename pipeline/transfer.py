@@ -17,12 +17,6 @@ from lfr.transfer.params import TransferParams
 from pipeline._runs import RunJob, learn
 from pipeline._stage import SeedParams, unfinished_work, write_metrics
 
-CODE = (
-    "lfr.transfer", "lfr.mapping.artifacts", "lfr.mapping.generator",
-    "lfr.models", "lfr.skills.artifacts", "lfr.skills.gaussian", "lfr.skills.prior",
-    "lfr.skills.vae", "lfr.sim", "lfr.seeds", "lfr.robots", "lfr.tasks",
-)  # fmt: skip
-
 
 def main(transfer: str, method: str) -> None:
     """Train models/transfer/<transfer>-<method>/seed-<n>, one run for each of seeds.transfer.
@@ -35,7 +29,7 @@ def main(transfer: str, method: str) -> None:
     seeds = read_section(SeedParams, "seeds").transfer
     name = f"{transfer}-{method}"
     skills, mapping = Path("models/skills") / transfer, Path("models/mapping") / transfer
-    work = unfinished_work("transfer", name, chosen, params, skills, mapping, code=CODE)
+    work = unfinished_work("transfer", name, chosen, params, skills, mapping)
 
     folders = {seed: work / f"seed-{seed}" for seed in seeds}
     jobs = [
