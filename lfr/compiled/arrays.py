@@ -44,9 +44,8 @@ class SceneArrays(NamedTuple):
     grip_site: int
     objects: NDArray[np.int64]  # (2,) bodies that a grasp or a contact is asked of, -1 for none
     geom_kind: NDArray[np.int64]  # (ngeom,) see lfr.compiled.contacts
-    finger_first: int  # qpos address; opening raises it
-    finger_second: int
-    pad_gap_at_zero: float
+    pad_geoms: NDArray[np.int64]  # (2, G) of the left and the right pads, -1 where fewer
+    pad_depth: float  # from the pads' centres to their inner faces, both sides together
     ctrl_range: NDArray[np.float64]  # (nu, 2)
     close_signs: NDArray[np.float64]  # (P,) of the finger actuators
     finger_speed: float  # of the gripper's command per control step

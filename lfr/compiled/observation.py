@@ -40,9 +40,23 @@ def observe(
 
 @compiled
 def aperture(physics: Physics, scene: SceneArrays) -> float:
-    """Gap (m) between the inner faces of the pads."""
-    opening = physics.qpos[scene.finger_first] - physics.qpos[scene.finger_second]
-    return opening + scene.pad_gap_at_zero
+    """Gap (m) between the inner faces of the pads, along the closing axis of the hand."""
+    axes, apart = physics.site_xmat[scene.grip_site], 0.0
+    for k in range(3):
+        centre = _pad_centre(physics, scene, 1, k) - _pad_centre(physics, scene, 0, k)
+        apart += axes[3 * k] * centre
+    return abs(apart) - scene.pad_depth
+
+
+@compiled
+def _pad_centre(physics: Physics, scene: SceneArrays, side: int, axis: int) -> float:
+    total, count = 0.0, 0
+    for i in range(scene.pad_geoms.shape[1]):
+        geom = scene.pad_geoms[side, i]
+        if geom >= 0:
+            total += physics.geom_xpos[geom, axis]
+            count += 1
+    return total / count
 
 
 @compiled

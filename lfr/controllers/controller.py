@@ -6,8 +6,32 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from lfr.robots.robot import Robot
 from lfr.spaces import Quantity, Space, gripper_action
+
+TRANSLATION_UNIT = 0.05
+ROTATION_UNIT = 0.5
+"""m and rad: a hand motion of 1. It is what OSC_POSE's action of 1 asks for in robosuite."""
+
+
+@dataclass(frozen=True)
+class Configuration:
+    """Where an arm stands, as far as a controller must know it to move the hand.
+
+    Attributes:
+        joint_position: (N,) rad.
+        rest: (N,) rad, the posture that it starts from and comes back to where the task lets it.
+        jacobian: (6, N) of the grip site, translation above rotation, in the base frame.
+        scale: (A - 1,) what an action of 1 asks for.
+    """
+
+    joint_position: NDArray[np.float64]
+    rest: NDArray[np.float64]
+    jacobian: NDArray[np.float64]
+    scale: NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -20,6 +44,10 @@ class Controller:
         motion: of an arm, the quantities of the action but for the gripper.
         set_goal: compiled, (physics, scene, control, action): once for a control step.
         set_torques: compiled, (physics, scene, control): at every physics step.
+        action_of: the action but for the gripper, (A - 1,) in [-1, 1], that moves the hand as a
+            demonstrator wants it: (hand motion (6,), `Configuration`). The motion is a translation
+            and a rotation vector in the base frame, in units of `TRANSLATION_UNIT` and
+            `ROTATION_UNIT`.
         stock_gains: what robosuite's configuration of it says beside the scales.
     """
 
@@ -28,6 +56,7 @@ class Controller:
     motion: Callable[[Robot], tuple[Quantity, ...]]
     set_goal: Callable[..., None]
     set_torques: Callable[..., None]
+    action_of: Callable[[NDArray[np.float64], Configuration], NDArray[np.float64]]
     stock_gains: dict[str, Any]
 
     def space(self, robot: Robot) -> Space:

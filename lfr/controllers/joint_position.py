@@ -22,13 +22,23 @@ from numpy.typing import NDArray
 
 from lfr.compiled import compiled
 from lfr.compiled.arrays import Control, Physics, SceneArrays
-from lfr.controllers.controller import Controller
+from lfr.controllers.controller import (
+    ROTATION_UNIT,
+    TRANSLATION_UNIT,
+    Configuration,
+    Controller,
+)
 from lfr.controllers.inertia import inertia
 from lfr.robots.robot import Robot
 from lfr.spaces import Quantity, joint_motion
 
 KP = 150.0
 KD = 2.0 * math.sqrt(KP)  # damping ratio 1
+
+DAMPING = 0.03
+"""Of the least squares, in m and rad alike: a stretched arm gives way instead of racing."""
+RETURN = 0.15
+"""Share of the way back to the rest posture that a control step asks for."""
 
 
 @compiled
@@ -58,12 +68,32 @@ def _motion(robot: Robot) -> tuple[Quantity, ...]:
     return (joint_motion(robot.joint_names, robot.joint_scale),)
 
 
+def action_of(motion: NDArray[np.float64], at: Configuration) -> NDArray[np.float64]:
+    """Joint motions (N,) that move the hand: damped least squares, the rest posture kept.
+
+        dq = J^+ v + (I - J^+ J) r (q_0 - q),    J^+ = J^T (J J^T + d^2 I)^-1
+
+    with v the hand's motion (m, rad), d `DAMPING`, r `RETURN` and q_0 the rest posture. So the
+    joints follow from where the hand is: a learner that sees the hand alone can predict them. The
+    first joint is left free, since turning about the base's vertical changes nothing else. Where a
+    joint would go beyond its scale, all slow down alike, so that the hand keeps its direction.
+    """
+    J = at.jacobian
+    inverse = J.T @ np.linalg.inv(J @ J.T + DAMPING**2 * np.eye(6))
+    back = RETURN * (at.rest - at.joint_position)
+    back[0] = 0.0
+    wanted = motion * np.repeat([TRANSLATION_UNIT, ROTATION_UNIT], 3)
+    delta = (inverse @ wanted + back - inverse @ (J @ back)) / at.scale
+    return delta / max(1.0, float(np.abs(delta).max()))
+
+
 JOINT_POSITION = Controller(
     name="joint_position",
     stock_name="JOINT_POSITION",
     motion=_motion,
     set_goal=set_goal,
     set_torques=set_torques,
+    action_of=action_of,
     stock_gains={
         "kp": KP,
         "damping_ratio": 1,

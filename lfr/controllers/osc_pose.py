@@ -21,7 +21,12 @@ from numpy.typing import NDArray
 from lfr.compiled import compiled
 from lfr.compiled.arrays import Control, Physics, SceneArrays
 from lfr.compiled.linear import factorise, solve
-from lfr.controllers.controller import Controller
+from lfr.controllers.controller import (
+    ROTATION_UNIT,
+    TRANSLATION_UNIT,
+    Configuration,
+    Controller,
+)
 from lfr.controllers.inertia import inertia
 from lfr.robots.robot import Robot
 from lfr.spaces import Quantity, translation, turn
@@ -30,8 +35,6 @@ KP = 150.0
 KD = 2.0 * math.sqrt(KP)  # damping ratio 1
 POSTURE_KP = 10.0
 POSTURE_KD = 2.0 * math.sqrt(POSTURE_KP)
-POSITION_SCALE = 0.05  # m per unit of action
-ROTATION_SCALE = 0.5  # rad per unit of action
 
 
 @compiled
@@ -166,7 +169,11 @@ def _wrench(physics: Physics, scene: SceneArrays, control: Control) -> None:
 
 
 def _motion(robot: Robot) -> tuple[Quantity, ...]:
-    return translation((POSITION_SCALE,) * 3), turn((ROTATION_SCALE,) * 3)
+    return translation((TRANSLATION_UNIT,) * 3), turn((ROTATION_UNIT,) * 3)
+
+
+def _action_of(motion: NDArray[np.float64], at: Configuration) -> NDArray[np.float64]:
+    return motion
 
 
 OSC_POSE = Controller(
@@ -175,6 +182,7 @@ OSC_POSE = Controller(
     motion=_motion,
     set_goal=set_goal,
     set_torques=set_torques,
+    action_of=_action_of,
     stock_gains={
         "kp": KP,
         "damping_ratio": 1,

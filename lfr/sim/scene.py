@@ -20,10 +20,10 @@ from lfr.compiled.arrays import SceneArrays
 from lfr.controllers import CONTROLLERS
 from lfr.embodiments import Embodiment, embodiment
 from lfr.errors import LfrError
-from lfr.robots import Robot
+from lfr.robots import Gripper, Robot
 from lfr.sim.placement import start_arrays
 from lfr.sim.start import StartArrays
-from lfr.sim.stock import make_stock_environment
+from lfr.sim.stock import make_stock_environment, repaired_xml
 from lfr.tasks import TASKS, Task
 from lfr.tasks.task import EEF, Place
 
@@ -50,8 +50,7 @@ def build_scene(name: str, task: str) -> Scene:
     """
     body, chosen = embodiment(name), lfr.tasks.task(task)
     environment = make_stock_environment(name, task, hard_reset=False)
-    xml = environment.edit_model_xml(environment.model.get_xml())
-    model = pruned_spec(xml, body.robot, chosen).compile()
+    model = pruned_spec(repaired_xml(environment, body.robot), body.robot, chosen).compile()
     data = mujoco.MjData(model)
     _unburden(model, data)
     mujoco.mj_forward(model, data)
@@ -74,8 +73,6 @@ def pruned_spec(xml: str, robot: Robot, task: Task) -> mujoco.MjSpec:
         spec.delete(spec.body(name))
     for element in [*spec.cameras, *spec.lights]:
         spec.delete(element)
-    for first, second in robot.excluded_contacts:
-        spec.add_exclude(bodyname1=first, bodyname2=second)
     kept = ("gripper0_", *robot.distal_bodies)
     for body in spec.bodies:
         if body.name.startswith(("robot0_", "fixed_mount0_")) and not body.name.startswith(kept):
@@ -131,7 +128,6 @@ def _arrays(environment: Any, model: mujoco.MjModel, body: Embodiment, task: Tas
     places = (Place("site", gripper.grip_site), *task.places)
     numbers = {EEF: 0, **{place: i for i, place in enumerate(task.places, 1)}}
     points = task.points(environment)
-    first, second = (model.joint(name).qposadr[0] for name in gripper.finger_joints)
     return SceneArrays(
         task=tuple(TASKS).index(task.name),
         controller=tuple(CONTROLLERS).index(body.controller.name),
@@ -140,9 +136,8 @@ def _arrays(environment: Any, model: mujoco.MjModel, body: Embodiment, task: Tas
         grip_site=model.site(gripper.grip_site).id,
         objects=np.array([*bodies, -1][:2]),
         geom_kind=_geom_kinds(model, robot, bodies),
-        finger_first=int(first),
-        finger_second=int(second),
-        pad_gap_at_zero=gripper.pad_gap_at_zero,
+        pad_geoms=_pad_geoms(model, gripper),
+        pad_depth=_pad_depth(model, gripper),
         ctrl_range=np.ascontiguousarray(model.actuator_ctrlrange),
         close_signs=np.array(gripper.close_signs),
         finger_speed=gripper.speed,
@@ -163,6 +158,20 @@ def _place_id(model: mujoco.MjModel, place: Place) -> int:
     if place.kind == "point":
         return -1
     return (model.body if place.kind == "body" else model.site)(place.name).id
+
+
+def _pad_geoms(model: mujoco.MjModel, gripper: Gripper) -> NDArray[np.int64]:
+    sides = (gripper.left_pads, gripper.right_pads)
+    geoms = np.full((2, max(map(len, sides))), -1, dtype=np.int64)
+    for side, names in enumerate(sides):
+        geoms[side, : len(names)] = [model.geom(name).id for name in names]
+    return geoms
+
+
+def _pad_depth(model: mujoco.MjModel, gripper: Gripper) -> float:
+    """Half the pads' thickness (m), which is their least extent, of both sides together."""
+    sides = (gripper.left_pads, gripper.right_pads)
+    return float(sum(np.mean([model.geom(n).size.min() for n in names]) for names in sides))
 
 
 def _geom_kinds(model: mujoco.MjModel, robot: Robot, bodies: list[int]) -> NDArray[np.int64]:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lfr.compiled import arrays
+from lfr.controllers.controller import Configuration
 from lfr.sim import kernel, libmujoco
 from lfr.sim.compilation import compiling_once, make_callable
 from lfr.sim.cube import ResizableModel, no_cube, resize
@@ -114,6 +115,16 @@ class Simulation:
     def joint_velocity(self) -> NDArray[np.float64]:
         """(N,) rad/s."""
         return self._data.qvel[: self.joints].copy()
+
+    def configuration(self) -> Configuration:
+        """Where the arm stands, for `Controller.action_of`."""
+        data, n = self._data, self.joints
+        base = data.xmat[self._scene.arrays.base_body].reshape(3, 3)
+        axes, anchors = data.xaxis[:n], data.xanchor[:n]  # of hinges in a chain
+        hand = data.site_xpos[self._scene.arrays.grip_site]
+        jacobian = np.vstack([(np.cross(axes, hand - anchors) @ base).T, (axes @ base).T])
+        rest, scale = self._scene.start.joint_position, self._scene.arrays.action_scale
+        return Configuration(self.joint_position(), rest, jacobian, scale)
 
     def body_poses(self) -> dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]:
         """Body name -> position (3,) m and quaternion (4,) wxyz, in the world frame."""

@@ -10,7 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 import lfr.tasks
 from lfr.compiled import observation
 from lfr.embodiments import embodiment as embodiment_named
+from lfr.robots import Robot
 from lfr.sim.steps import Steps
+from lfr.sim.stock_grippers import mend_gripper
 from lfr.tasks.task import EEF, Place, Term
 
 CONTROL_FREQUENCY = 20
@@ -28,6 +30,7 @@ def make_stock_environment(
         import robosuite
 
     chosen, body = lfr.tasks.task(task), embodiment_named(embodiment)
+    mend_gripper(body.gripper)
     return robosuite.make(
         chosen.stock_name,
         robots=body.robot.stock_name,
@@ -46,6 +49,11 @@ def make_stock_environment(
     )
 
 
+def repaired_xml(environment: Any, robot: Robot) -> str:
+    """robosuite's MJCF of an environment, with what is broken in it mended."""
+    return robot.repaired(environment.edit_model_xml(environment.model.get_xml()))
+
+
 def _errors_only(record: logging.LogRecord) -> bool:
     return record.levelno >= logging.ERROR
 
@@ -53,8 +61,8 @@ def _errors_only(record: logging.LogRecord) -> bool:
 class StockSimulation:
     """One arm in one task on stock robosuite 1.5.2, observed as this project observes it.
 
-    Two departures from stock: Sawyer's contact with its own base is excluded
-    (`Robot.excluded_contacts`), and the controller is told to read the state afresh after a reset,
+    Two departures from stock: what is broken in robosuite's models is mended (`lfr.robots.repair`,
+    `lfr.sim.stock_grippers`), and the controller is told to read the state afresh after a reset,
     where stock would use a stale mass matrix during the first substep.
 
     Observations are taken from the joint positions after a step. Stock's own observables, its
@@ -81,18 +89,11 @@ class StockSimulation:
             hard_reset=self.task.name == "lift",
             object_observation=object_observation,
         )
-        self._env._xml_processors.append(self._exclude_contacts)
-        # The first soft reset would still use the model built without the exclusion.
+        self._env._xml_processors.append(self.robot.repaired)
+        # The first soft reset would still use the model built without the repairs.
         self._env._load_model()
         self._env._initialize_sim()
         self.reset(0)
-
-    def _exclude_contacts(self, xml: str) -> str:
-        pairs = "".join(
-            f'<exclude body1="{first}" body2="{second}"/>'
-            for first, second in self.robot.excluded_contacts
-        )
-        return xml.replace("</mujoco>", f"<contact>{pairs}</contact></mujoco>") if pairs else xml
 
     @property
     def _model(self) -> Any:
@@ -186,7 +187,13 @@ class StockSimulation:
 
     def _gripper_command(self) -> float:
         command = np.asarray(self._arm.gripper["right"].current_action, dtype=np.float64)
-        return float(np.broadcast_to(command, 2)[0] * self.robot.gripper.close_signs[0]) + 0.0
+        return (
+            float(
+                np.broadcast_to(command, len(self.robot.gripper.close_signs))[0]
+                * self.robot.gripper.close_signs[0]
+            )
+            + 0.0
+        )
 
     def _base(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         body = self._data.body(self.robot.base_body)
@@ -199,11 +206,19 @@ class StockSimulation:
 
     def _state(self) -> NDArray[np.float64]:
         position, rotation = self._eef()
-        gripper = self.robot.gripper
-        first, second = (self._data.joint(name).qpos[0] for name in gripper.finger_joints)
-        aperture = first - second + gripper.pad_gap_at_zero
         rot6d = rotation[:, :2].T.ravel()
-        return np.concatenate([position, rot6d, [aperture, self._gripper_command()]])
+        return np.concatenate([position, rot6d, [self._aperture(), self._gripper_command()]])
+
+    def _aperture(self) -> float:
+        gripper = self.robot.gripper
+        closing = self._data.site(gripper.grip_site).xmat.reshape(3, 3)[:, 0]
+        faces = []
+        for names in (gripper.left_pads, gripper.right_pads):
+            along = np.mean([self._data.geom(name).xpos @ closing for name in names])
+            depth = np.mean([self._model.geom(name).size.min() for name in names])
+            faces.append((along, depth))
+        (left, left_depth), (right, right_depth) = faces
+        return float(abs(left - right) - left_depth - right_depth)
 
     def _environment_state(self) -> NDArray[np.float64]:
         return np.concatenate([self._term(term) for term in self.task.terms])
