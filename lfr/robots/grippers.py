@@ -42,7 +42,14 @@ _ROBOTIQ_JOINTS = _named(
 )
 
 
-def _parallel_jaw(inner_finger: tuple[int, int], inner_knuckle: tuple[int, int]) -> Repair:
+def _grip_site(deeper: float) -> Repair:
+    """The grip site moved along the approach, so that the pads hold what it is brought to (m)."""
+    return Repair(shifts=(("site", f"{_G}grip_site", (0.0, 0.0, deeper)),))
+
+
+def _parallel_jaw(
+    inner_finger: tuple[int, int], inner_knuckle: tuple[int, int], force: float
+) -> Repair:
     """Robotiq's linkage: the inner joints follow the outer one, so that the pads stay parallel.
 
     robosuite's links are held together by a spring alone, without armature or damping, and run
@@ -50,13 +57,14 @@ def _parallel_jaw(inner_finger: tuple[int, int], inner_knuckle: tuple[int, int])
 
     Args:
         inner_finger, inner_knuckle: ratios to the outer joint of the left and the right finger.
+        force: bound on either actuator's torque (N m), which robosuite lets squeeze a cube away.
     """
     drivers = ("finger_joint", "right_outer_knuckle_joint")
     sides = tuple(zip(("left", "right"), drivers, inner_finger, inner_knuckle, strict=True))
     couplings = chain.from_iterable(
         (
-            Coupling(f"{_G}{side}_inner_finger_joint", _G + driver, finger),
-            Coupling(f"{_G}{side}_inner_knuckle_joint", _G + driver, knuckle),
+            Coupling(f"{_G}{side}_inner_finger_joint", _G + driver, finger, solref="0.005 1"),
+            Coupling(f"{_G}{side}_inner_knuckle_joint", _G + driver, knuckle, solref="0.005 1"),
         )
         for side, driver, finger, knuckle in sides
     )
@@ -66,14 +74,14 @@ def _parallel_jaw(inner_finger: tuple[int, int], inner_knuckle: tuple[int, int])
         for other in ("outer_knuckle", "inner_finger")
     )
     settings = (("damping", "0.1"), ("armature", "0.001"))
+    limits = (("forcelimited", "true"), ("forcerange", f"-{force:g} {force:g}"))
     return Repair(
         excluded_contacts=excluded,
         couplings=tuple(couplings),
         dropped_tendons=("_cpl",),
-        attributes=tuple(
-            ("joint", joint, attribute, value)
-            for joint in _ROBOTIQ_JOINTS
-            for attribute, value in settings
+        attributes=(
+            *(("joint", joint, *setting) for joint in _ROBOTIQ_JOINTS for setting in settings),
+            *(("position", f"{_G}finger_{i}", *limit) for i in (1, 2) for limit in limits),
         ),
     )
 
@@ -87,7 +95,7 @@ ROBOTIQ_85 = Gripper(
     left_pads=_named("left_fingerpad_collision"),
     right_pads=_named("right_fingerpad_collision"),
     close_signs=(1.0, 1.0),
-    repair=_parallel_jaw((-1, -1), (1, 1)),
+    repair=_parallel_jaw((-1, -1), (1, 1), force=1.0) + _grip_site(0.004),
 )
 
 ROBOTIQ_140 = Gripper(
@@ -99,7 +107,7 @@ ROBOTIQ_140 = Gripper(
     left_pads=_named("left_fingerpad_collision"),
     right_pads=_named("right_fingerpad_collision"),
     close_signs=(1.0, -1.0),
-    repair=_parallel_jaw((1, -1), (-1, 1)),
+    repair=_parallel_jaw((1, -1), (-1, 1), force=2.0) + _grip_site(0.010),
 )
 
 _QUARTER_TURN = "0.7071067811865476 0 0 0.7071067811865476"  # about z, wxyz
@@ -118,11 +126,8 @@ XARM7_GRIPPER = Gripper(
     close_signs=(1.0,),
     stock_knows_pads=False,  # it asks for geoms that its model lacks: nothing is ever grasped
     # robosuite's grip site is turned: its y axis is the closing axis.
-    repair=Repair(
-        attributes=(
-            ("site", f"{_G}grip_site", "quat", "0.7071067811865476 0 0 0.7071067811865476"),
-        )
-    ),
+    repair=Repair(attributes=(("site", f"{_G}grip_site", "quat", _QUARTER_TURN),))
+    + _grip_site(0.010),
 )
 
 _JACO_FINGERS = ("thumb", "index", "pinky")
@@ -132,7 +137,7 @@ JACO_HAND = Gripper(
     name="jaco_three_finger",
     stock_name="JacoThreeFingerGripper",
     joints=_JACO_JOINTS,
-    opened=(1.1, 0.5) * 3,
+    opened=(0.95, 0.35) * 3,
     closed=(0.0, -0.6) * 3,
     left_pads=_named("index_pad_collision", "pinky_pad_collision"),
     right_pads=_named("thumb_pad_collision"),
@@ -140,7 +145,7 @@ JACO_HAND = Gripper(
     stock_speed=0.01,  # 200 control steps from open to closed
     # Its fingers have no inertia of their own, and a tendon is pulled to a length that it cannot
     # reach: a contact throws the can 20 m away. The distal joints follow the proximal ones, as the
-    # free hand's do.
+    # free hand's do, the thumb stands opposite the other two, and these together push as it does.
     repair=Repair(
         couplings=tuple(
             Coupling(f"{_G}joint_{f}_distal", f"{_G}joint_{f}", 1.0, 1.0) for f in _JACO_FINGERS
@@ -149,8 +154,13 @@ JACO_HAND = Gripper(
         attributes=(
             *(("joint", joint, "armature", "0.001") for joint in _JACO_JOINTS),
             *(("joint", joint, "range", "-1 2") for joint in _JACO_JOINTS[1::2]),
-            *(("position", _G + f, "ctrlrange", "0 1.1") for f in _JACO_FINGERS),
-            *(("position", _G + f, "forcerange", "-1 1") for f in _JACO_FINGERS),
+            *(("position", _G + f, "ctrlrange", "0 0.95") for f in _JACO_FINGERS),
+            *(
+                ("position", _G + f, "forcerange", force)
+                for f, force in zip(_JACO_FINGERS, ("-1 1", "-0.5 0.5", "-0.5 0.5"), strict=True)
+            ),
+            ("body", f"{_G}thumb_proximal", "quat", "0.96592583 0.25881905 0 0"),
         ),
-    ),
+    )
+    + _grip_site(0.008),
 )

@@ -1,6 +1,7 @@
 """Kinova Jaco, with its hand of three fingers."""
 
 from lfr.robots.grippers import JACO_HAND
+from lfr.robots.repair import NEARER
 from lfr.robots.robot import Robot
 
 JACO = Robot(
@@ -13,4 +14,5 @@ JACO = Robot(
         *("robot0_j2s7s300_link_5", "robot0_j2s7s300_link_6", "robot0_j2s7s300_link_7"),
         "robot0_right_hand",
     ),
+    repair=NEARER,
 )

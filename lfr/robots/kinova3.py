@@ -1,6 +1,7 @@
 """Kinova Gen3."""
 
 from lfr.robots.grippers import ROBOTIQ_85
+from lfr.robots.repair import NEARER
 from lfr.robots.robot import Robot
 
 KINOVA3 = Robot(
@@ -13,4 +14,5 @@ KINOVA3 = Robot(
         *("robot0_SphericalWrist1_Link", "robot0_SphericalWrist2_Link", "robot0_Bracelet_Link"),
         "robot0_right_hand",
     ),
+    repair=NEARER,
 )

@@ -12,12 +12,16 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Coupling:
-    """A joint that follows another one: q = offset + ratio q_driver (rad)."""
+    """A joint that follows another one: q = offset + ratio q_driver (rad).
+
+    ``solref`` is MuJoCo's, of the constraint: time constant (s) and damping ratio.
+    """
 
     joint: str
     driver: str
     ratio: float
     offset: float = 0.0
+    solref: str = "0.02 1"
 
 
 @dataclass(frozen=True)
@@ -30,6 +34,7 @@ class Repair:
         dropped_tendons: ends of the names of tendons that are taken out, with what equates them.
         sites_in_base: sites that belong to the arm's base, where robosuite has them on a link.
         attributes: (tag, name, attribute, value) to be set.
+        shifts: (tag, name, m) by which a position is moved, in the frame that it is given in.
     """
 
     excluded_contacts: tuple[tuple[str, str], ...] = ()
@@ -37,6 +42,7 @@ class Repair:
     dropped_tendons: tuple[str, ...] = ()
     sites_in_base: tuple[str, ...] = ()
     attributes: tuple[tuple[str, str, str, str], ...] = ()
+    shifts: tuple[tuple[str, str, tuple[float, float, float]], ...] = ()
 
     def __add__(self, other: Repair) -> Repair:
         return Repair(
@@ -45,6 +51,7 @@ class Repair:
             self.dropped_tendons + other.dropped_tendons,
             self.sites_in_base + other.sites_in_base,
             self.attributes + other.attributes,
+            self.shifts + other.shifts,
         )
 
     def applied(self, xml: str) -> str:
@@ -58,6 +65,8 @@ class Repair:
             _move_to_base(root, name)
         for tag, name, attribute, value in self.attributes:
             _find(root, tag, name).set(attribute, value)
+        for tag, name, shift in self.shifts:
+            _shift(_find(root, tag, name), shift)
         contact, equality = ET.SubElement(root, "contact"), ET.SubElement(root, "equality")
         for first, second in self.excluded_contacts:
             ET.SubElement(contact, "exclude", body1=first, body2=second)
@@ -68,12 +77,22 @@ class Repair:
                 joint1=one.joint,
                 joint2=one.driver,
                 polycoef=f"{one.offset:g} {one.ratio:g} 0 0 0",
+                solref=one.solref,
             )
         return ET.tostring(root, encoding="unicode")
 
 
+NEARER = Repair(shifts=(("body", "robot0_base", (0.1, 0.0, 0.0)),))
+"""For arms whose reach, from where robosuite puts every base, ends before the bin and the peg."""
+
+
 def _find(root: ET.Element, tag: str, name: str) -> ET.Element:
     return next(element for element in root.iter(tag) if element.get("name") == name)
+
+
+def _shift(element: ET.Element, shift: tuple[float, float, float]) -> None:
+    there = (float(value) for value in element.get("pos", "0 0 0").split())
+    element.set("pos", " ".join(f"{a + b:g}" for a, b in zip(there, shift, strict=True)))
 
 
 def _drop_tendons(root: ET.Element, ending: str) -> None:

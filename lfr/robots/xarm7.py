@@ -1,7 +1,7 @@
 """UFACTORY xArm7."""
 
 from lfr.robots.grippers import XARM7_GRIPPER
-from lfr.robots.repair import Repair
+from lfr.robots.repair import NEARER, Repair
 from lfr.robots.robot import Robot
 
 _JOINTS = tuple(f"robot0_joint{i}" for i in range(1, 8))
@@ -18,5 +18,6 @@ XARM7 = Robot(
         sites_in_base=("robot0_right_center",),
         # Ten times the other arms': the hand stalls where a motion is small.
         attributes=tuple(("joint", joint, "frictionloss", "0.1") for joint in _JOINTS),
-    ),
+    )
+    + NEARER,
 )
