@@ -20,13 +20,18 @@ from numpy.typing import NDArray
 from scipy.stats import fisher_exact, ks_2samp
 
 from benchmarks._figures import FOLDER
-from benchmarks.simulation import COMBINATIONS
 from lfr.artifacts import provenance, write_json
 from lfr.demos.expert import Expert, ExpertParams
+from lfr.embodiments import embodiments
 from lfr.sim.simulation import Simulation
 from lfr.sim.stock import StockSimulation
+from lfr.tasks import TASKS
 
 LONGEST = 300  # control steps of an episode
+ARMS = ("panda", "sawyer", "iiwa", "kinova3", "ur5e")
+COMBINATIONS = [
+    (body.name, task) for body in embodiments() if body.robot.name in ARMS for task in TASKS
+]
 AFTER_SUCCESS = 10  # so that a released object comes to rest
 
 
@@ -88,17 +93,19 @@ def _episodes(simulation: Simulation | StockSimulation, seeds: int) -> NDArray[n
 
 def _episode(simulation: Simulation | StockSimulation, seed: int) -> list[float]:
     observation = simulation.reset(seed)
-    expert = Expert(simulation.task.name, simulation.layout, ExpertParams())
+    expert = Expert(simulation.task, simulation.layout, ExpertParams())
+    controller = simulation.embodiment.controller
     succeeded, length = False, LONGEST
     for step in range(LONGEST):
-        steps = simulation.step(expert.clean(observation)[None])
+        motion = expert.clean(observation)
+        move = controller.action_of(motion[:-1], simulation.configuration())
+        steps = simulation.step(np.append(move, motion[-1])[None])
         observation = steps.observations[-1]
         if steps.successes[-1] and not succeeded:
             succeeded, length = True, step + 1
         if succeeded and step + 1 >= length + AFTER_SUCCESS:
             break
-    first = next(iter(simulation.task.objects))
-    place = observation[simulation.layout.slice(f"{first}_pos")]
+    place = observation[simulation.layout.slice(f"{simulation.task.manipulated}_pos")]
     return [float(succeeded), float(length), *(float(x) for x in place)]
 
 

@@ -25,18 +25,19 @@ from numba import types
 from numpy.typing import NDArray
 
 from benchmarks._figures import FOLDER, Figure, compare, show, write
+from lfr.controllers import set_goal, set_torques
 from lfr.demos.expert import Expert, ExpertParams
-from lfr.robots import ROBOTS
-from lfr.sim import kernel, libmujoco, osc
+from lfr.embodiments import embodiments
+from lfr.sim import kernel, libmujoco
 from lfr.sim.batch import Batch
 from lfr.sim.simulation import Simulation
 from lfr.sim.stock import StockSimulation
 from lfr.tasks import TASKS
 
-COMBINATIONS = [(robot, task) for robot in ROBOTS for task in TASKS]
+COMBINATIONS = [(body.name, task) for body in embodiments() for task in TASKS]
 SKILL = 10  # actions in one call
 GOALS = {"lift": 10.0, "stack": 10.0, "pick_place": 8.0, "nut_assembly": 8.0}
-BARE_GOAL, CORES_GOAL, RESET_GOAL, MEMORY_GOAL = 0.9, 1.85, 50.0, 50.0
+BARE_GOAL, CORES_GOAL, RESET_GOAL, MEMORY_GOAL = 0.95, 1.85, 50.0, 50.0
 THREADS_GOAL = 1.0  # else the batch should use processes
 SEED = 5
 
@@ -46,11 +47,14 @@ _mj_step = types.ExternalFunction("mj_step", types.void(types.intp, types.intp))
 
 
 def demonstration(engine: Simulation, longest: int) -> Array:
-    """The scripted expert's actions (n, 7) until it succeeds; n a multiple of SKILL."""
+    """The scripted expert's actions (n, A) until it succeeds; n a multiple of SKILL."""
     observation, actions, success = engine.reset(SEED), [], False
-    expert = Expert(engine.task.name, engine.layout, ExpertParams())
+    expert = Expert(engine.task, engine.layout, ExpertParams())
+    controller = engine.embodiment.controller
     while len(actions) < longest and not (success and len(actions) % SKILL == 0):
-        actions.append(expert.clean(observation))
+        motion = expert.clean(observation)
+        move = controller.action_of(motion[:-1], engine.configuration())
+        actions.append(np.append(move, motion[-1]))
         steps = engine.step(actions[-1])
         observation, success = steps.observations[-1], success or bool(steps.successes[-1])
     return np.array(actions)
@@ -83,9 +87,9 @@ def _record(physics, scene, control, actions, torques):  # type: ignore[no-untyp
         for substep in range(kernel.SUBSTEPS):
             libmujoco.mj_step1(physics.model, physics.data)
             if substep == 0:
-                osc.set_goal(physics, scene, control, actions[t])
-                osc.advance_gripper(physics, scene, control, actions[t, 6])
-            osc.set_torques(physics, scene, control)
+                set_goal(physics, scene, control, actions[t])
+                kernel._advance_gripper(physics, scene, control, actions[t, -1])
+            set_torques(physics, scene, control)
             torques[row] = physics.ctrl
             row += 1
             libmujoco.mj_step2(physics.model, physics.data)

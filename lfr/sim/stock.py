@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 import lfr.tasks
 from lfr.compiled import observation
+from lfr.controllers.controller import Configuration
 from lfr.embodiments import embodiment as embodiment_named
 from lfr.robots import Robot
 from lfr.sim.steps import Steps
@@ -148,6 +149,21 @@ class StockSimulation:
     def joint_velocity(self) -> NDArray[np.float64]:
         """(N,) rad/s."""
         return np.array([self._data.joint(name).qvel[0] for name in self.robot.joints])
+
+    def configuration(self) -> Configuration:
+        """Where the arm stands, for `Controller.action_of`."""
+        import mujoco
+
+        model, data, robot = self._model, self._data, self.robot
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        world = np.zeros((6, model.nv))
+        mujoco.mj_jacSite(model, data, world[:3], world[3:], data.site(robot.gripper.grip_site).id)
+        _, axes = self._base()
+        dofs = [int(model.joint(name).dofadr[0]) for name in robot.joints]
+        jacobian = np.vstack([axes.T @ world[:3, dofs], axes.T @ world[3:, dofs]])
+        rest, scale = np.array(self._arm.init_qpos), np.array(self.embodiment.action_scale)
+        return Configuration(self.joint_position(), rest, jacobian, scale)
 
     def body_poses(self) -> dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]:
         """Body name -> position (3,) m and quaternion (4,) wxyz, in the world frame."""

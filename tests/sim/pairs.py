@@ -1,26 +1,40 @@
 """The engine and its oracle, built once for all tests of this folder."""
 
 import functools
+from typing import Any
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 
-from lfr.robots import ROBOTS
+from lfr.embodiments import embodiment, embodiments
 from lfr.sim.simulation import Simulation, simulation
 from lfr.sim.stock import StockSimulation
 from lfr.tasks import TASKS
 
-COMBINATIONS = [(robot, task) for robot in ROBOTS for task in TASKS]
+EMBODIMENTS = [body.name for body in embodiments()]
+QUICK = {
+    *(("panda", task) for task in TASKS),
+    *(("ur5e-joint_position", task) for task in TASKS),
+    *((name, list(TASKS)[number % len(TASKS)]) for number, name in enumerate(EMBODIMENTS)),
+}
+"""Every embodiment in a task and every task under both controllers; the others are slow tests."""
+
+COMBINATIONS: list[Any] = [
+    pytest.param(name, task, marks=() if (name, task) in QUICK else pytest.mark.slow)
+    for name in EMBODIMENTS
+    for task in TASKS
+]
 
 
-@functools.cache
-def stock(robot: str, task: str) -> StockSimulation:
-    return StockSimulation(robot, task)
+@functools.lru_cache(maxsize=4)
+def stock(name: str, task: str) -> StockSimulation:
+    return StockSimulation(name, task)
 
 
-def pair(robot: str, task: str, seed: int) -> tuple[Simulation, StockSimulation]:
+def pair(name: str, task: str, seed: int) -> tuple[Simulation, StockSimulation]:
     """Both at the start named by `seed`."""
-    both = simulation(robot, task), stock(robot, task)
+    both = simulation(name, task), stock(name, task)
     for one in both:
         one.reset(seed)
     return both
@@ -33,15 +47,20 @@ def put(one: Simulation | StockSimulation, pose: NDArray[np.float64], which: int
     joint.qpos[:], joint.qvel[:] = pose, 0.0
 
 
-def reach(one: Simulation | StockSimulation) -> NDArray[np.float64]:
-    """An action (7,) that moves the open hand's grip site onto the first object's grasp point."""
+def still(name: str, steps: int = 1, gripper: float = 0.0) -> NDArray[np.float64]:
+    """Actions (steps, A) that ask for no motion."""
+    actions = np.zeros((steps, embodiment(name).action.size))
+    actions[:, -1] = gripper
+    return actions
+
+
+def reach(one: Simulation) -> NDArray[np.float64]:
+    """An action (A,) that moves the open hand's grip site onto the first object's grasp point."""
     observation, layout = one.observation(), one.layout
-    name = next(iter(one.task.objects))
-    group = "handle_to_eef" if one.task.name == "nut_assembly" else f"{name}_to_eef"
-    offset = observation[layout.slice(group)]
+    goal = "handle" if one.task.name == "nut_assembly" else one.task.manipulated
+    offset = observation[layout.slice(f"eef_to_{goal}")]
     # hover first, so that the fingers come down around the object and not onto it
     height = 0.06 if np.linalg.norm(offset[:2]) > 0.01 else 0.0
-    action = np.zeros(7)
-    action[:3] = np.clip((offset + np.array([0.0, 0.0, height])) / 0.05, -1, 1)
-    action[6] = -1.0
-    return action
+    motion = np.zeros(6)
+    motion[:3] = np.clip((offset + np.array([0.0, 0.0, height])) / 0.05, -1, 1)
+    return np.append(one.embodiment.controller.action_of(motion, one.configuration()), -1.0)

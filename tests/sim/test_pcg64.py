@@ -5,8 +5,16 @@ import numpy as np
 import pytest
 
 from lfr.sim import pcg64
+from lfr.sim.compilation import make_callable
+
+make_callable()
 
 SEEDS = [0, 1, 5, 2**31 - 1, 2**32 - 1, 2**32, 1_500_000, 2_000_099, 2**63, 2**64 - 1]
+
+
+@numba.njit
+def seeded(seed, state):  # type: ignore[no-untyped-def]
+    pcg64.seed_generator(seed, state)
 
 
 @numba.njit
@@ -22,8 +30,8 @@ def drawn(seed, uniforms, normals):  # type: ignore[no-untyped-def]
 def test_state_and_draws_are_numpys(seed: int) -> None:
     theirs = np.random.default_rng(seed)
     kept = theirs.bit_generator.state["state"]
-    state = pcg64.generator()
-    pcg64.seed_generator(np.uint64(seed), state)
+    state = np.zeros(4, dtype=np.uint64)
+    seeded(np.uint64(seed), state)
     words = [int(word) for word in state]
     assert (words[0] << 64) + words[1] == kept["state"]
     assert (words[2] << 64) + words[3] == kept["inc"]
