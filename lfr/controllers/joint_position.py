@@ -10,7 +10,7 @@ gravity, Coriolis and centrifugal forces. Source: robosuite 1.5.2,
 robosuite's own default is kp 50 and 0.05 rad for all joints. With the goal relative to the position
 achieved, a joint then moves by at most sqrt(kp) / 2 x 0.05 rad = 0.18 rad/s. Here kp is OSC_POSE's,
 and the scales differ by joint so that an action of 1 moves the hand about as far whichever joint it
-is: a model's error in the actions then counts for each joint as it does at the hand.
+is: a model's error in an action then counts alike for all of them.
 """
 
 from __future__ import annotations

@@ -127,7 +127,7 @@ XARM7_GRIPPER = Gripper(
     stock_knows_pads=False,  # it asks for geoms that its model lacks: nothing is ever grasped
     # robosuite's grip site is turned: its y axis is the closing axis.
     repair=Repair(attributes=(("site", f"{_G}grip_site", "quat", _QUARTER_TURN),))
-    + _grip_site(0.010),
+    + _grip_site(0.016),
 )
 
 _JACO_FINGERS = ("thumb", "index", "pinky")

@@ -9,7 +9,7 @@ IIWA = Robot(
     stock_name="IIWA",
     joints=tuple(f"robot0_joint_{i}" for i in range(1, 8)),
     gripper=ROBOTIQ_140,
-    joint_scale=(0.08, 0.08, 0.10, 0.12, 0.25, 0.25, 0.40),
+    joint_scale=(0.09, 0.08, 0.08, 0.06, 0.21, 0.13, 0.40),
     distal_bodies=(
         *("robot0_link_5", "robot0_link_6", "robot0_link_7"),
         "robot0_right_hand",

@@ -9,7 +9,7 @@ KINOVA3 = Robot(
     stock_name="Kinova3",
     joints=tuple(f"robot0_Actuator{i}" for i in range(1, 8)),
     gripper=ROBOTIQ_85,
-    joint_scale=(0.08, 0.08, 0.10, 0.12, 0.25, 0.25, 0.40),
+    joint_scale=(0.10, 0.09, 0.09, 0.07, 0.22, 0.14, 0.40),
     distal_bodies=(
         *("robot0_SphericalWrist1_Link", "robot0_SphericalWrist2_Link", "robot0_Bracelet_Link"),
         "robot0_right_hand",

@@ -9,7 +9,7 @@ SAWYER = Robot(
     stock_name="Sawyer",
     joints=tuple(f"robot0_right_j{i}" for i in range(7)),
     gripper=RETHINK_GRIPPER,
-    joint_scale=(0.08, 0.08, 0.10, 0.12, 0.25, 0.25, 0.40),
+    joint_scale=(0.09, 0.10, 0.10, 0.07, 0.21, 0.17, 0.40),
     distal_bodies=(
         *("robot0_right_l4", "robot0_right_l5", "robot0_right_l6"),
         "robot0_right_hand",

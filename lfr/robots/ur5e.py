@@ -11,7 +11,7 @@ UR5E = Robot(
         for name in ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
     ),
     gripper=ROBOTIQ_85,
-    joint_scale=(0.08, 0.08, 0.10, 0.25, 0.25, 0.40),
+    joint_scale=(0.12, 0.12, 0.07, 0.16, 0.17, 0.40),
     distal_bodies=(
         *("robot0_wrist_1_link", "robot0_wrist_2_link", "robot0_wrist_3_link"),
         "robot0_right_hand",

@@ -11,7 +11,7 @@ XARM7 = Robot(
     stock_name="XArm7",
     joints=_JOINTS,
     gripper=XARM7_GRIPPER,
-    joint_scale=(0.08, 0.08, 0.10, 0.12, 0.25, 0.25, 0.40),
+    joint_scale=(0.09, 0.09, 0.09, 0.09, 0.22, 0.17, 0.40),
     distal_bodies=("robot0_link5", "robot0_link6", "robot0_link7", "robot0_right_hand"),
     repair=Repair(
         # robosuite has it on link 1: the axes of Cartesian actions would turn with the arm.

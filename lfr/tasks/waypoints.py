@@ -19,9 +19,9 @@ OPEN, CLOSE = -1.0, 1.0
 # The gripper's command, integrated over control steps, at which the fingers hold what they can.
 GRASPED = 0.9
 CLOSING = -0.85
-# The gap between the fingers, m, below which they hold nothing. Hands close to 0 (Panda) and 0.013
-# (Sawyer); the thinnest thing to hold, the nut's handle, keeps them 0.028 apart.
-EMPTY = 0.02
+# The gap between the fingers, m, below which they hold nothing. Hands close to 0 and, Sawyer's, to
+# 0.013; the thinnest thing to hold, the nut's handle, keeps them 0.028 apart, or 0.019 held askew.
+EMPTY = 0.017
 # Horizontal distances in m, see `grasp`. Sawyer's fingers touch the table beside the nut's handle,
 # and its friction would hold them where they came down.
 CUBE_FUNNEL = (0.008, 0.03)
