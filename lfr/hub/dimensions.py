@@ -21,16 +21,17 @@ def rows(space: Space) -> Iterator[Row]:
             yield _row(_shown(quantity), quantity, scales[0])
         else:
             for name, scale in zip(quantity.names, scales, strict=True):
-                yield _row(name, quantity, scale)
+                yield _row(f"`{name}`", quantity, scale)
 
 
 def _row(shown: str, quantity: Quantity, scale: float) -> Row:
     unit = quantity.unit if scale == 1.0 else f"{scale:g} {quantity.unit}"
-    return f"`{shown}`", unit, quantity.frame, quantity.about
+    return shown, unit, quantity.frame, quantity.about
 
 
 def _shown(quantity: Quantity) -> str:
     stem = f"{quantity.name}."
-    if not all(name.startswith(stem) for name in quantity.names):
-        return " ".join(quantity.names)
-    return " ".join([quantity.name, *(f".{part}" for part in quantity.parts)])
+    names = quantity.names
+    if names[0].startswith(stem):
+        return f"`{' '.join([quantity.name, *(f'.{part}' for part in quantity.parts)])}`"
+    return f"`{' '.join(names)}`" if len(names) <= 3 else f"`{names[0]}` to `{names[-1]}`"
