@@ -186,24 +186,36 @@ def _fingers(
     They are told by the gap between two slides, or by robosuite's own names; F is 0 where the
     state has neither, or where the fingers are no pair of slides.
     """
-    names = _names(episode, STATE)
+    import mujoco
+
+    names, joints = _names(episode, STATE), [model.joint(name) for name in gripper.joints]
     there = next((wanted for wanted in FINGERS if set(wanted) <= set(names)), ())
-    if not there or not _is_pair_of_slides(gripper, model):
+    slides = [joint.type[0] for joint in joints] == [mujoco.mjtJoint.mjJNT_SLIDE] * 2
+    if not there or not slides:
         return [], np.zeros((len(episode), 0))
-    fingers = [model.joint(name).qposadr[0] for name in gripper.finger_joints]
+    fingers = [int(joint.qposadr[0]) for joint in joints]
     places = [names.index(name) for name in there]
     found = np.asarray(episode.features[STATE], np.float64)[:, places]
     if len(there) == 2:
         return fingers, found
-    opening = (found - gripper.pad_gap_at_zero) / 2  # gap = first - second + gap at zero
+    opening = (
+        found - _gap_at_zero(gripper, model)
+    ) / 2  # opening raises the first, lowers the other
     return fingers, np.hstack([opening, -opening])
 
 
-def _is_pair_of_slides(gripper: Gripper, model: Any) -> bool:
+def _gap_at_zero(gripper: Gripper, model: Any) -> float:
+    """Gap (m) between the inner faces of the pads where the fingers' joints are at 0."""
     import mujoco
 
-    kinds = [model.joint(name).type[0] for name in gripper.finger_joints]
-    return kinds == [mujoco.mjtJoint.mjJNT_SLIDE] * 2
+    data, sides = mujoco.MjData(model), (gripper.left_pads, gripper.right_pads)
+    data.qpos[[model.joint(name).qposadr[0] for name in gripper.joints]] = 0.0
+    mujoco.mj_kinematics(model, data)
+    first, second = (np.mean([data.geom(pad).xpos for pad in pads], axis=0) for pads in sides)
+    # As `lfr.sim.scene` measures it: a pad is thin along the axis on which the hand closes.
+    depth = sum(np.mean([model.geom(pad).size.min() for pad in pads]) for pads in sides)
+    closing = data.site(gripper.grip_site).xmat.reshape(3, 3)[:, 0]
+    return float(abs(closing @ (second - first)) - depth)
 
 
 def _observes_scene(episode: Episode) -> bool:
