@@ -158,7 +158,7 @@ def test_arms_that_observe_different_things_are_refused_before_training(
         ("new: {puck: park}", "new: {crane: lift}", "unknown task of puck 'lift'"),
         ("    plane: {", "    s1: {", "s1 under 'scenarios' and under 'external'"),
     ],
-)
+)  # fmt: skip
 def test_a_scenario_of_external_arms_that_cannot_be(
     tmp_path: Path, old: str, new: str, message: str
 ) -> None:
