@@ -67,10 +67,22 @@ def embodiment(name: str) -> Embodiment:
     return Embodiment(chosen, controller(rest[0] if rest else DEFAULT_CONTROLLER))
 
 
+def is_known(name: str) -> bool:
+    """Whether there is an embodiment called ``name``."""
+    return any(one.name == name for one in embodiments())
+
+
 @cache
-def known_action(names: tuple[str, ...]) -> Space | None:
-    """The action whose dimensions are called ``names``; None where no embodiment here has it."""
-    return next((one.action for one in embodiments() if one.action.names == names), None)
+def known_action(names: tuple[str, ...], name: str = "") -> Space | None:
+    """The action whose dimensions are called ``names``; None where no embodiment here has it.
+
+    Args:
+        name: of the embodiment, where it is said: arms whose joints have the same names differ in
+            what an action of 1 asks of these.
+    """
+    found = [one for one in embodiments() if one.action.names == names]
+    found.sort(key=lambda one: one.name != name)
+    return found[0].action if found else None
 
 
 def embodiments() -> Iterator[Embodiment]:

@@ -283,6 +283,9 @@ _FORMS: dict[str, Callable[[str], Quantity]] = {
 }
 """What follows the last `_` of a quantity's name, and what it makes of what stands before it."""
 
+KNOWN = (*_NAMED, *(f"<thing>_{form}" for form in _FORMS), "<start>_to_<end>")
+"""The names of quantities, and the forms of all others' names."""
+
 
 def quantity_name(dimension: str) -> str:
     """The name of the quantity that a dimension belongs to: "cube_pos" of "cube_pos.x"."""
@@ -303,8 +306,7 @@ def quantity(name: str) -> Quantity:
         return displacement(start, end)
     if thing and form in _FORMS:
         return _FORMS[form](thing)
-    forms = (*(f"<thing>_{form}" for form in _FORMS), "<start>_to_<end>")
-    raise UnknownNameError("quantity", name, (*_NAMED, *forms))
+    raise UnknownNameError("quantity", name, KNOWN)
 
 
 def space(names: Sequence[str]) -> Space:

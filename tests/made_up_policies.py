@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from lfr.sim.layout import Steps
+
+from lfr.sim.steps import Steps
 
 
 class Line:

@@ -214,7 +214,7 @@ def test_data_names_every_feature_topic_and_group() -> None:
         value for name, value in vars(messages).items()
         if name.isupper() and isinstance(value, str) and value.startswith("/")
     ]  # fmt: skip
-    groups = {group for task in TASKS.values() for group, _ in task.environment}
+    groups = {each.name for task in TASKS.values() for each in task.environment.quantities}
     state = {name.split(".")[0] for name in ROBOT_STATE.names}
     needed = {*(f.key for f in FEATURES), IMAGES, *topics, *groups, *state, *TASKS}
     assert len(topics) > 5

@@ -8,11 +8,12 @@ import numpy as np
 
 from lfr.data.checks import check_dataset
 from lfr.data.episode import Feature
-from lfr.data.selection import Selection, select
+from lfr.data.selection import Chosen, Selection, select, unreadable
 from lfr.data.tables import DatasetFiles
 from lfr.data.windows import DemonstrationSet, read_dataset
 from lfr.errors import DataError
 from lfr.external import ExternalArm
+from lfr.spaces import KNOWN, quantity, space
 
 TOLERANCE = 1e-3  # of an action beyond [-1, 1]: bounds that were copied with four digits
 
@@ -22,8 +23,9 @@ def read_external(arm: ExternalArm, task: str) -> DemonstrationSet:
 
     Raises:
         DataError: the dataset is missing or not what the mapping says: a column or dimension is
-            missing, another fps or robot, no episode of the task, a value that is not finite, or
-            an action beyond its bounds. It names file, episode and column, found and expected.
+            missing, or has a name that does not say what it is, another fps or robot, no episode of
+            the task, a value that is not finite, or an action beyond its bounds. It names file,
+            episode and column, found and expected.
     """
     path, columns = arm.dataset(task), arm.columns(task)
     selected(arm, task)  # a column that is missing is told before its values are looked at
@@ -39,9 +41,39 @@ def selected(arm: ExternalArm, task: str) -> Selection:
     """What a task's dataset gives as observation and action, by its metadata alone.
 
     Raises:
-        DataError: there is no dataset, or it lacks a column or dimension.
+        DataError: there is no dataset, it lacks a column or dimension, or the name of one does not
+            say what it is.
     """
-    return select(DatasetFiles.open(arm.dataset(task)), arm.columns(task))
+    files = DatasetFiles.open(arm.dataset(task))
+    found = select(files, arm.columns(task))
+    file = files.path / "meta" / "info.json"
+    for part in found.observation:
+        _check_names(file, part)
+    if arm.cartesian:
+        _check_names(file, found.action)
+        for part in (*found.observation, found.action):
+            _check_moves(file, part)
+    return found
+
+
+def _check_names(file: Path, part: Chosen) -> None:
+    """A prior could not scale what it does not know; that would be told only as it is trained."""
+    for name in unreadable(part.names):
+        raise DataError(
+            "a name that does not say what it is; `number.<name>` and `joint.<name>` say no more "
+            "than that",
+            file=file, column=part.column, found=name, expected=f"one of {', '.join(KNOWN)}",
+        )  # fmt: skip
+
+
+def _check_moves(file: Path, part: Chosen) -> None:
+    for found in space(part.names).quantities:
+        whole = quantity(found.name)
+        if found.moves in ("unknown", "with the base") or found.size != whole.size:
+            raise DataError(
+                "how it moves with the scene is not known; leave out `cartesian: true`",
+                file=file, column=part.column, found=found.names[0],
+            )  # fmt: skip
 
 
 def _check_bounds(file: Path, column: str, found: DemonstrationSet) -> None:

@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from typing import Any
 
 from lfr.columns import ActionPart, ActionSpace, Columns, Part
 from lfr.data.episode import ACTION, ENVIRONMENT_STATE, STATE
 from lfr.data.tables import DatasetFiles
-from lfr.errors import DataError
+from lfr.errors import DataError, UnknownNameError
+from lfr.spaces import quantity, quantity_name
 
 RECORDED = Columns((Part(STATE), Part(ENVIRONMENT_STATE)), ActionPart(ACTION))
 """Of this project's own datasets."""
@@ -66,6 +68,20 @@ def dimension_names(feature: Mapping[str, Any], column: str) -> tuple[str, ...]:
     if isinstance(names, Sequence) and not isinstance(names, str) and len(names) == size:
         return tuple(map(str, names))
     return tuple(f"{column}.{number}" for number in range(size))
+
+
+def unreadable(names: Sequence[str]) -> tuple[str, ...]:
+    """Those of the names that do not say what they are, by `lfr.spaces`."""
+    found: list[str] = []
+    for group, members in groupby(names, key=quantity_name):
+        dimensions = list(members)
+        try:
+            known = quantity(group)
+        except UnknownNameError:
+            found += dimensions
+        else:  # a part of a rotation is none
+            found += dimensions if known.moves == "rotation" and len(dimensions) != 6 else []
+    return tuple(found)
 
 
 def _info(files: DatasetFiles) -> str:

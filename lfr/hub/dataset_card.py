@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from huggingface_hub import DatasetCardData
 
-from lfr.data.episode import IMAGES, EpisodeInfo
+from lfr.data.episode import IMAGES
 from lfr.data.tables import VERSION
+from lfr.embodiments import embodiment, is_known
 from lfr.hub.dataset_columns import dimension_tables, feature_table
 from lfr.hub.dataset_facts import Column, DatasetFacts, Making
 from lfr.hub.markdown import card, python, shell, table
-from lfr.robots import ROBOTS
 from lfr.seeds import FIRST, PER_USE, use_of_seed
 from lfr.tasks import TASKS
 
@@ -50,7 +50,11 @@ def dataset_card(
         _how(facts, making, logs),
         "## Features",
         feature_table(facts),
-        *(part for column in facts.columns for part in dimension_tables(column, facts.our_layout)),
+        *(
+            part
+            for column in facts.columns
+            for part in dimension_tables(column, facts.space(column))
+        ),
         _episodes(facts, making),
         "## Load",
         _load(facts, repo_id),
@@ -78,7 +82,8 @@ def _summary(facts: DatasetFacts, making: Making | None) -> str:
     words = "; ".join(f"*{each}*" for each in facts.instructions)
     many = len(facts.instructions)
     tasks = f"one task, {words}" if many == 1 else f"{many} tasks, {words}"
-    arm = ROBOTS[facts.robot].stock_name if facts.robot in ROBOTS else facts.robot
+    known = is_known(facts.robot)
+    arm = embodiment(facts.robot).robot.stock_name if known else facts.robot
     by = f", by the arm {arm}" if arm else ""
     scenes = ", ".join(TASKS[task].stock_name for task in facts.tasks if task in TASKS)
     scene = f", in simulation ({scenes})" if _ours(facts, making) else ""
@@ -110,7 +115,7 @@ def _counts(facts: DatasetFacts, making: Making | None) -> str:
         rows += [
             ("attempts of the demonstrator", f"{attempts}, of which {failures} failed"),
             ("success rate of the demonstrator", f"{100 * rate:.1f} %"),
-            ("controller", f"`{EpisodeInfo.controller}`, {facts.fps} Hz"),
+            ("controller", f"`{embodiment(facts.robot).controller.stock_name}`, {facts.fps} Hz"),
         ]
     for camera in facts.cameras:
         name = camera.key.removeprefix(IMAGES)
@@ -146,7 +151,7 @@ def _how(facts: DatasetFacts, making: Making | None, logs: bool) -> str:
             "the first frame the hand drifts, so that demonstrations start in many places.",
             "Frame t holds what was observed before action t, action t, and, as `next.*`, what "
             "came of it. The robot's base frame has the axes and the origin of the body "
-            f"`{ROBOTS[facts.robot].base_body}`.",
+            f"`{embodiment(facts.robot).robot.base_body}`.",
         ]
         if making.record["failed_seeds"]:
             failed = ", ".join(str(seed) for seed in making.record["failed_seeds"])
@@ -216,7 +221,8 @@ def _limits(facts: DatasetFacts, making: Making | None) -> str:
             "`action` is not what the arm executed. To replay an episode, take `/executed_action` "
             "from its log.",
         ]
-    for first, second in ROBOTS[facts.robot].excluded_contacts if _ours(facts, making) else ():
+    arm = embodiment(facts.robot).robot if _ours(facts, making) else None
+    for first, second in arm.excluded_contacts if arm else ():
         lines.append(
             f"The contact between `{first}` and `{second}` is switched off. In stock robosuite "
             "the two start in contact, and the friction holds the first joint against the "
@@ -230,4 +236,4 @@ def _limits(facts: DatasetFacts, making: Making | None) -> str:
 
 
 def _ours(facts: DatasetFacts, making: Making | None) -> bool:
-    return making is not None and facts.robot in ROBOTS and set(facts.tasks) <= set(TASKS)
+    return making is not None and is_known(facts.robot) and set(facts.tasks) <= set(TASKS)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from lfr.data.episode import ACTION, FEATURES, JOINT_POSITION
+from lfr.data.episode import ACTION, FEATURES
+from lfr.embodiments import embodiment, is_known
 from lfr.hub.dataset_facts import Column, DatasetFacts
-from lfr.hub.dimensions import groups
+from lfr.hub.dimensions import rows
 from lfr.hub.markdown import table
+from lfr.spaces import Space
 
 LEROBOT = {
     "timestamp": "s from the episode's start",
@@ -21,37 +23,32 @@ def feature_table(facts: DatasetFacts) -> str:
     about = LEROBOT
     if facts.our_layout:
         about = {feature.key: feature.about for feature in FEATURES} | LEROBOT
-    rows = []
+        if is_known(facts.robot):
+            body = embodiment(facts.robot)
+            about[ACTION] = body.controller.about(body.robot)
+    features = []
     for column in facts.columns:
         said = about.get(column.key, "")
         if column.dtype == "video":
             said = " x ".join(column.names)
             said = f"RGB picture before the action; {said}" if facts.our_layout else said
-        rows.append((f"`{column.key}`", column.dtype, _shape(column), said))
-    return table(("feature", "type", "shape", "content"), rows)
+        features.append((f"`{column.key}`", column.dtype, _shape(column), said))
+    return table(("feature", "type", "shape", "content"), features)
 
 
-def dimension_tables(column: Column, our_layout: bool) -> list[str]:
+def dimension_tables(column: Column, space: Space | None) -> list[str]:
     """A heading and the table of a vector's dimensions; nothing for scalars and videos.
 
-    Units and frames are given where the layout is this project's: with others, `gripper` may be
-    degrees.
+    Args:
+        space: what the dimensions are; None where nothing is known of them but their names.
     """
     if column.dtype == "video" or len(column.names) < 2:
         return []
-    if not our_layout:
+    if space is None:
         named = ", ".join(f"`{name}`" for name in column.names)
         return [f"### {column.key}", f"In this order: {named}."]
-    if column.key == JOINT_POSITION:
-        shown = f"`{column.names[0]}` to `{column.names[-1]}`"
-        rows = [(shown, "rad", "", "angles of the joints of these names")]
-    else:
-        rows = [
-            (f"`{shown}`", *((known.unit, known.frame, known.about) if known else ("", "", "")))
-            for shown, known in groups(column.names)
-        ]
     unit = "a unit of it is" if column.key == ACTION else "unit"
-    return [f"### {column.key}", table(("dimensions", unit, "frame", "meaning"), rows)]
+    return [f"### {column.key}", table(("dimensions", unit, "frame", "meaning"), rows(space))]
 
 
 def _shape(column: Column) -> str:

@@ -8,10 +8,12 @@ from typing import Any
 
 from lfr.artifacts import read_json
 from lfr.curation.features import names_of, settings_of
-from lfr.data.episode import ACTION, STATE
+from lfr.data.episode import ACTION, ENVIRONMENT_STATE, JOINT_POSITION, STATE
 from lfr.data.tables import DatasetFiles
-from lfr.errors import DataError
-from lfr.robots import ACTION_NAMES
+from lfr.embodiments import known_action
+from lfr.errors import DataError, UnknownNameError
+from lfr.spaces import Space, joint_position, space
+from lfr.tasks import TASKS
 
 FOLDERS = ("meta", "data", "videos")  # of a LeRobot v3.0 dataset
 NOTED = ("seed", "success", "robot", "task_name", "log_file", "log_sha256")  # in meta/episodes
@@ -66,7 +68,30 @@ class DatasetFacts:
     def our_layout(self) -> bool:
         """Whether states and actions are those of docs/data.md; others may use the same names."""
         names = {column.key: column.names for column in self.columns}
-        return names.get(ACTION) == ACTION_NAMES and "gripper_aperture" in names.get(STATE, ())
+        known = known_action(names.get(ACTION, ()), self.robot) is not None
+        return known and "gripper_aperture" in names.get(STATE, ())
+
+    def space(self, column: Column) -> Space | None:
+        """What the dimensions of a column are; None where nothing says it.
+
+        In another layout than this project's the same names may mean something else: `gripper` may
+        be degrees.
+        """
+        if not self.our_layout:
+            return None
+        if column.key == ACTION:
+            return known_action(column.names, self.robot)
+        if column.key == JOINT_POSITION:
+            return Space((joint_position(column.names),))
+        if column.key == ENVIRONMENT_STATE:  # the names do not say a yaw's symmetry; the task does
+            observed = (TASKS[task].environment for task in self.tasks if task in TASKS)
+            known = next((each for each in observed if each.names == column.names), None)
+            if known is not None:
+                return known
+        try:
+            return space(column.names)
+        except UnknownNameError:
+            return None
 
 
 @dataclass(frozen=True)

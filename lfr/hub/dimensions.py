@@ -1,74 +1,37 @@
-"""Unit, frame and meaning of every dimension, group by group, as docs/data.md has them."""
+"""What the dimensions of a column are, as the rows of a card's table."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from itertools import groupby
+from collections.abc import Iterator
 
-BASE = "robot's base"
+from lfr.spaces import Quantity, Space
 
-# k of a yaw's cosine and sine of k times the angle: the rotational symmetry of what is turned.
-SYMMETRY = {"cube_yaw": 4, "cubeA_yaw": 4, "nut_yaw": 2, "nut_peg_yaw": 4}
+Row = tuple[str, str, str, str]
+"""Dimensions, unit of a value of 1, frame, meaning; an empty unit or frame is none."""
 
 
-@dataclass(frozen=True)
-class Meaning:
-    """What a group of dimensions is; an empty unit or frame is none."""
+def rows(space: Space) -> Iterator[Row]:
+    """A row for each quantity; one for each of its dimensions where a 1 of these differs.
 
-    unit: str
-    frame: str
-    about: str
-
-
-KNOWN = {
-    "eef_pos": Meaning("m", BASE, "position of the grip site"),
-    "eef_rot6d": Meaning(
-        "", BASE, "rotation of the grip site: first column of its matrix, then the second"
-    ),
-    "gripper_aperture": Meaning("m", "", "gap between the pads of the fingers"),
-    "gripper_command": Meaning("[-1, 1]", "", "command that the gripper integrates, +1 closed"),
-    "dx dy dz": Meaning(
-        "0.05 m", BASE, "translation of the controller's goal from the pose achieved"
-    ),
-    "drx dry drz": Meaning("0.5 rad", BASE, "rotation vector of that goal"),
-    "gripper": Meaning("[-1, 1]", "", "positive closes; ten steps of 1 are the full travel"),
-}
-ACTION_GROUPS = {name: group for group in KNOWN for name in group.split()}
-
-
-def groups(names: Sequence[str]) -> Iterator[tuple[str, Meaning | None]]:
-    """Neighbouring dimensions that belong together, and what they are (None: not known).
-
-    `eef_pos.x`, `eef_pos.y`, `eef_pos.z` give one group, called "eef_pos .x .y .z".
+    `eef_pos.x`, `eef_pos.y`, `eef_pos.z` are shown as "`eef_pos .x .y .z`".
     """
-    for group, members in groupby(names, key=_group):
-        parts = [name.partition(".")[2] for name in members]
-        shown = " ".join([group, *(f".{part}" for part in parts if part)])
-        yield shown, meaning(group)
+    for quantity in space.quantities:
+        scales = quantity.scale or (1.0,) * quantity.size
+        if len(set(scales)) == 1:
+            yield _row(_shown(quantity), quantity, scales[0])
+        else:
+            for name, scale in zip(quantity.names, scales, strict=True):
+                yield _row(f"`{name}`", quantity, scale)
 
 
-def meaning(group: str) -> Meaning | None:
-    """What a group such as "cube_to_eef" is; None where its name does not say."""
-    if group in KNOWN:
-        return KNOWN[group]
-    if "_to_" in group:
-        start, end = group.split("_to_")
-        if end == "eef":  # docs/data.md: mind the sign
-            start, end = "grip site", start
-        return Meaning("m", BASE, f"vector from {start} to {end}")
-    if group.endswith("_pos"):
-        return Meaning("m", BASE, f"position of {group.removesuffix('_pos')}")
-    if group.endswith("_up"):
-        return Meaning("", BASE, f"unit vector: own z axis of {group.removesuffix('_up')}")
-    if group in SYMMETRY:
-        turned, reference = ("nut", "peg") if group == "nut_peg_yaw" else (group[:-4], "gripper")
-        times = f"cosine and sine of {SYMMETRY[group]} times"
-        return Meaning(
-            "", BASE, f"{times} the angle about z from {reference}'s x axis to {turned}'s"
-        )
-    return None
+def _row(shown: str, quantity: Quantity, scale: float) -> Row:
+    unit = quantity.unit if scale == 1.0 else f"{scale:g} {quantity.unit}"
+    return shown, unit, quantity.frame, quantity.about
 
 
-def _group(name: str) -> str:
-    return ACTION_GROUPS.get(name, name.partition(".")[0])
+def _shown(quantity: Quantity) -> str:
+    stem = f"{quantity.name}."
+    names = quantity.names
+    if names[0].startswith(stem):
+        return f"`{' '.join([quantity.name, *(f'.{part}' for part in quantity.parts)])}`"
+    return f"`{' '.join(names)}`" if len(names) <= 3 else f"`{names[0]}` to `{names[-1]}`"

@@ -6,10 +6,10 @@ from typing import Any
 
 from huggingface_hub import EvalResult, ModelCardData
 
+from lfr.embodiments import DEFAULT_CONTROLLER, embodiment, is_known
 from lfr.hub.dataset_card import LICENSE
 from lfr.hub.markdown import card, python, shell, table
 from lfr.hub.model_facts import ModelFacts, Part
-from lfr.robots import ROBOTS
 from lfr.tasks import TASKS
 
 ABOUT = {
@@ -47,7 +47,7 @@ def model_card(facts: ModelFacts, *, repo_id: str | None = None, license: str | 
         f"# {facts.title}",
         f"{ABOUT[facts.stage]} Part of lfr (Learn from Robot), after the method of Yang, Stork and "
         + (
-            "Stoyanov; simulated arms, actions in Cartesian space."
+            f"Stoyanov; simulated arms, actions {_actions(facts)}."
             if _simulated(facts)
             else "Stoyanov; of arms that are known by their datasets alone."
         ),
@@ -83,7 +83,8 @@ def _evaluations(facts: ModelFacts) -> list[EvalResult]:
     learned, judged = facts.results.get("transfer"), facts.results.get("evaluate")
     if not learned or not judged:
         return []
-    stock = f"{TASKS[learned['task']].stock_name}, {ROBOTS[learned['robot']].stock_name}"
+    arm = embodiment(learned["robot"]).robot
+    stock = f"{TASKS[learned['task']].stock_name}, {arm.stock_name}"
     return [
         EvalResult(
             task_type="robotics",
@@ -119,7 +120,16 @@ def _arms(facts: ModelFacts) -> list[str]:
 
 
 def _simulated(facts: ModelFacts) -> bool:
-    return set(_arms(facts)) <= set(ROBOTS)
+    return all(map(is_known, _arms(facts)))
+
+
+def _actions(facts: ModelFacts) -> str:
+    """By which controllers the arms act."""
+    stock = (embodiment(robot).controller for robot in _arms(facts))
+    names = {one.name: one.stock_name for one in stock}
+    if set(names) == {DEFAULT_CONTROLLER}:
+        return "in Cartesian space"
+    return f"by {' and '.join(names.values())}"
 
 
 def _robots(part: Part) -> list[str]:
@@ -236,10 +246,11 @@ def _limits(facts: ModelFacts) -> str:
         states.format("lfr's"),
         "The intervals are those of the evaluation's episodes, not of the training.",
     ]
-    for robot in _arms(facts):
-        for first, second in ROBOTS[robot].excluded_contacts if robot in ROBOTS else ():
-            lines.append(
-                f"{ROBOTS[robot].stock_name}'s contact between `{first}` and `{second}` is "
-                "switched off; numbers from stock robosuite are not comparable."
-            )
+    arms = {arm.name: arm for arm in (embodiment(robot).robot for robot in _arms(facts))}
+    for arm in arms.values():
+        lines += [
+            f"{arm.stock_name}'s contact between `{first}` and `{second}` is switched off; "
+            "numbers from stock robosuite are not comparable."
+            for first, second in arm.excluded_contacts
+        ]
     return "\n".join(f"- {line}" for line in lines)

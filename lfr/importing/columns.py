@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 
 from lfr.errors import DataError
 from lfr.importing.robomimic import EXTRACT, Demo
-from lfr.robots import ACTION_NAMES
+from lfr.spaces import Space, gripper_action, translation, turn
 
 Quaternions = Literal["rot6d", "keep"]
 
 XYZ, XYZW = ("x", "y", "z"), ("x", "y", "z", "w")
 Parts = tuple[tuple[str, tuple[str, ...]], ...]
 UNIT_TOLERANCE = 1e-3  # of a quaternion's norm
+OSC_POSE = Space((translation(), turn(), gripper_action())).names
 
 
 @dataclass(frozen=True)
@@ -124,8 +125,8 @@ def _column(demo: Demo, key: str, env_args: Mapping[str, Any], quaternions: Quat
 
 def action_names(env_args: Mapping[str, Any], key: str, size: int) -> tuple[str, ...]:
     """Names of an action's dimensions: this project's for OSC_POSE deltas, else numbers."""
-    if key == "actions" and size == len(ACTION_NAMES) and _is_osc_pose_delta(env_args):
-        return ACTION_NAMES
+    if key == "actions" and size == len(OSC_POSE) and _is_osc_pose_delta(env_args):
+        return OSC_POSE
     return tuple(f"action.{i}" for i in range(size))
 
 

@@ -6,17 +6,19 @@ import argparse
 import json
 import math
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
 from lfr.data import tables
 from lfr.data.episode import ACTION
-from lfr.data.selection import dimension_names
+from lfr.data.selection import dimension_names, unreadable
 from lfr.data.tables import DatasetFiles
 from lfr.errors import DataError
 
 DIGITS = 4  # of the bounds
+OBSERVATION = "observation."
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -32,6 +34,8 @@ def run(options: argparse.Namespace) -> None:
 
 def arm_entry(path: Path, arm: str | None = None, action: str = ACTION) -> str:
     """The entry as YAML: every vector of numbers is observed, the bounds are the data's.
+
+    A dimension whose name does not say what it is gets one that says so (`lfr.spaces`).
 
     Raises:
         DataError: there is no LeRobot v3.0 dataset, or it has no vector called ``action``.
@@ -53,9 +57,13 @@ def arm_entry(path: Path, arm: str | None = None, action: str = ACTION) -> str:
     lines.append(f"  fps: {files.info['fps']}")
     lines += [f"  robot_type: {json.dumps(robot)}"] if robot else []
     lines.append("  observation:")
+    taken: list[str] = []
     for column, names in vectors.items():
-        if column.startswith("observation."):
+        if column.startswith(OBSERVATION):
             lines += [f"    - column: {column}", f"      dims: {_flow(names)}"]
+            said = _said(column, names, taken)
+            lines += [f"      names: {_flow(said)}"] if said != names else []
+            taken += said
     lines += ["  action:", f"    column: {action}", f"    dims: {_flow(vectors[action])}"]
     lines += [f"    low: {json.dumps(low)}", f"    high: {json.dumps(high)}", "  tasks:"]
     lines += [
@@ -63,6 +71,19 @@ def arm_entry(path: Path, arm: str | None = None, action: str = ACTION) -> str:
         for words in _instructions(files)
     ]
     return "\n".join(lines) + "\n"
+
+
+def _said(column: str, names: tuple[str, ...], taken: Sequence[str]) -> tuple[str, ...]:
+    """The names as they can be read: joints and numbers, where they do not say what they are."""
+    nothing = {*unreadable(names), *taken}
+    given = []
+    for name in names:
+        kind = "joint" if "joint" in f"{column}{name}".lower() else "number"
+        said = name if name not in nothing else f"{kind}.{name.removeprefix(OBSERVATION)}"
+        if said in taken:
+            said = f"{kind}.{column.removeprefix(OBSERVATION)}.{name}"
+        given.append(said)
+    return tuple(given)
 
 
 def _bounds(files: DatasetFiles, action: str) -> tuple[list[float], list[float]]:

@@ -14,8 +14,8 @@ from lerobot.configs import FeatureType, NormalizationMode, PolicyFeature, PreTr
 from lerobot.optim import AdamConfig, LRSchedulerConfig, OptimizerConfig
 from lerobot.utils.constants import ACTION, OBS_ENV_STATE, OBS_STATE
 
+from lfr.embodiments import embodiment
 from lfr.errors import ParameterError
-from lfr.robots import ACTION_NAMES
 from lfr.spaces import ROBOT_STATE
 from lfr.tasks import task
 
@@ -26,7 +26,7 @@ class LfrConfig(PreTrainedConfig):
     """A policy over skills, with the decoder that carries them out (`lfr.transfer.model`).
 
     Attributes:
-        robot, task_name: the arm and the task that it has learned.
+        robot, task_name: the embodiment and the task that it has learned.
         networks: of each network its class and the arguments of its constructor.
         distribution: what the policy draws its skills from (`lfr.transfer.distribution`).
         min_sigma: added in quadrature to its sigma (`lfr.transfer.policy.MappedPolicy`).
@@ -76,15 +76,29 @@ class LfrConfig(PreTrainedConfig):
         return None
 
 
-def features_of(task_name: str) -> tuple[dict[str, PolicyFeature], dict[str, PolicyFeature]]:
-    """What a policy for a task is given and what it answers, by LeRobot's names.
+class ActionFeature(PolicyFeature):
+    """An action and the embodiment that it belongs to.
+
+    LeRobot hands an environment's features to the policy as they are, and nothing else. The
+    embodiment is no field of the dataclass, so that LeRobot's files know nothing of it.
+    """
+
+    def __init__(self, robot: str) -> None:
+        super().__init__(FeatureType.ACTION, (embodiment(robot).action.size,))
+        self.robot = robot
+
+
+def features_of(
+    robot: str, task_name: str
+) -> tuple[dict[str, PolicyFeature], dict[str, PolicyFeature]]:
+    """What a policy of an embodiment for a task is given and what it answers, by LeRobot's names.
 
     Raises:
-        UnknownNameError: there is no such task.
+        UnknownNameError: there is no such embodiment or task.
     """
-    layout = task(task_name).observation
+    environment = task(task_name).environment
     given = {
         OBS_STATE: PolicyFeature(FeatureType.STATE, (ROBOT_STATE.size,)),
-        OBS_ENV_STATE: PolicyFeature(FeatureType.ENV, (len(layout.environment.names),)),
+        OBS_ENV_STATE: PolicyFeature(FeatureType.ENV, (environment.size,)),
     }
-    return given, {ACTION: PolicyFeature(FeatureType.ACTION, (len(ACTION_NAMES),))}
+    return given, {ACTION: ActionFeature(robot)}

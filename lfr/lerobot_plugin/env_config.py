@@ -16,7 +16,6 @@ from lfr.data.episode import FPS
 from lfr.errors import ParameterError, UnknownNameError
 from lfr.lerobot_plugin.configuration_lfr import features_of
 from lfr.lerobot_plugin.environment import CAMERA, SIZE, make_environment
-from lfr.robots import robot
 from lfr.seeds import Use
 from lfr.sim.environment import checked_reward
 from lfr.tasks import task
@@ -28,8 +27,8 @@ class LfrEnv(EnvConfig):
     """`--env.type=lfr --env.robot=panda --env.task=lift`.
 
     Attributes:
-        robot, task: of `lfr.robots` and `lfr.tasks`; there is no default, for any other than a
-            policy's own would judge it wrongly.
+        robot, task: of `lfr.embodiments` and `lfr.tasks`, such as `ur5e-joint_position`; there is
+            no default, for any other than a policy's own would judge it wrongly.
         reward: `dense` or `sparse`.
         seeds: whose starts the seeds number (`lfr.seeds`). LeRobot's `--seed=0` then is the first
             held-out start, and no seed is a demonstration's.
@@ -49,11 +48,10 @@ class LfrEnv(EnvConfig):
         """Raises ParameterError or UnknownNameError for what there is not."""
         if not self.robot or not self.task:
             raise ParameterError("say which: --env.robot=panda --env.task=lift, or another")
-        robot(self.robot)
         checked_reward(self.reward)
         if self.seeds not in get_args(Use):
             raise UnknownNameError("use of seeds", self.seeds, get_args(Use))
-        given, answered = features_of(self.task)
+        given, answered = features_of(self.robot, self.task)
         self.features = {
             "agent_pos": given[OBS_STATE],
             "environment_state": given[OBS_ENV_STATE],

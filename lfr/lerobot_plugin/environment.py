@@ -14,8 +14,10 @@ from numpy.typing import NDArray
 
 from lfr.seeds import PER_USE, Use, episode_seed
 from lfr.sim.environment import Environment, Reward, environment_id
+from lfr.spaces import ROBOT_STATE
 
 CAMERA = "agentview"
+STATE, ENVIRONMENT_STATE = slice(ROBOT_STATE.size), slice(ROBOT_STATE.size, None)
 SIZE = 128  # pixels, of `lfr.sim.environment.Environment.render` and of the recorded videos
 
 
@@ -45,15 +47,14 @@ class LeRobotEnvironment(gymnasium.Wrapper):
     ) -> None:
         environment = Environment(robot, task, reward, render_mode="rgb_array")
         super().__init__(environment)
-        self._layout = environment.simulation.layout
         self._seeds: Use = seeds
         self._pictures = pictures
         self.task = environment_id(robot, task)
         self.task_description = environment.simulation.task.instruction
         bounds: Any = environment.observation_space
         spaces: dict[str, gymnasium.Space[Any]] = {
-            "agent_pos": _part(bounds, self._layout.state),
-            "environment_state": _part(bounds, self._layout.environment),
+            "agent_pos": _part(bounds, STATE),
+            "environment_state": _part(bounds, ENVIRONMENT_STATE),
         }
         if pictures:
             picture = gymnasium.spaces.Box(0, 255, (SIZE, SIZE, 3), np.uint8)
@@ -85,8 +86,8 @@ class LeRobotEnvironment(gymnasium.Wrapper):
 
     def _named(self, observation: NDArray[np.float64]) -> dict[str, Any]:
         named: dict[str, Any] = {
-            "agent_pos": observation[self._layout.state],
-            "environment_state": observation[self._layout.environment],
+            "agent_pos": observation[STATE],
+            "environment_state": observation[ENVIRONMENT_STATE],
         }
         if self._pictures:
             named["pixels"] = {CAMERA: np.ascontiguousarray(self.env.render())}

@@ -35,7 +35,7 @@ def export_policy(folder: Path, out: Path) -> tuple[str, str]:
     """Write the policy in `folder` as LeRobot's `save_pretrained` would, whole or not at all.
 
     Returns:
-        The robot and the task that it has learned.
+        The embodiment and the task that it has learned.
 
     Raises:
         DataError: no transferred policy, a damaged one, or something where it should go.
@@ -51,7 +51,7 @@ def export_policy(folder: Path, out: Path) -> tuple[str, str]:
     load_policy(folder)  # a damaged one is refused by its own reader
     content, tensors = read_model(folder, KIND)
     about = content["about"]
-    given, answered = features_of(about["task"])
+    given, answered = features_of(about["robot"], about["task"])
     config = LfrConfig(
         robot=about["robot"],
         task_name=about["task"],

@@ -8,11 +8,11 @@ from typing import Any
 
 import torch
 from lerobot.policies.pretrained import PreTrainedPolicy
-from lerobot.utils.constants import OBS_ENV_STATE, OBS_STATE
+from lerobot.utils.constants import ACTION, OBS_ENV_STATE, OBS_STATE
 from torch import Tensor, nn
 
 from lfr.errors import LfrError
-from lfr.lerobot_plugin.configuration_lfr import LfrConfig
+from lfr.lerobot_plugin.configuration_lfr import ActionFeature, LfrConfig
 from lfr.transfer.model import actor_of
 from lfr.transfer.network_kinds import network_kind
 
@@ -30,6 +30,7 @@ class LfrPolicy(PreTrainedPolicy):
     def __init__(self, config: LfrConfig, **_: Any) -> None:
         super().__init__(config)
         config.validate_features()
+        _check_action(config)
         file = Path(config.pretrained_path or "") / "config.json"
         networks: dict[str, nn.Module] = {}
         for name, entry in config.networks.items():
@@ -90,3 +91,13 @@ class LfrPolicy(PreTrainedPolicy):
                 f"{key} has shape {found}, expected {expected}: the policy has learned "
                 f"{self._task}, pass --env.task={self._task}"
             )
+
+
+def _check_action(config: LfrConfig) -> None:
+    """Raises LfrError where the policy is to act on another arm, or through another controller."""
+    acting = (config.output_features or {}).get(ACTION)
+    if isinstance(acting, ActionFeature) and acting.robot != config.robot:
+        raise LfrError(
+            f"--env.robot is {acting.robot}: another robot or controller than the policy's, "
+            f"pass --env.robot={config.robot}"
+        )

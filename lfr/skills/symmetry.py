@@ -136,6 +136,9 @@ def moved_copies(
     generator: torch.Generator,
 ) -> tuple[Tensor, Tensor]:
     """The windows (N, D), (N, H, A) and moved copies of each after them."""
+    copies = params.copies_of(len(observations))
+    if copies == 0:
+        return observations, actions
     params = suited(params, action_names)
     copies = params.copies_of(len(observations))
     if copies == 0:

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     import rerun.blueprint as rrb
 
 BACKGROUND = (22, 25, 31)
+UNIT = (-1.05, 1.05)
+"""What is shown of an action in [-1, 1]."""
 
 
 @dataclass(frozen=True)
@@ -27,7 +29,8 @@ class EpisodeLayout:
         cameras: names of its cameras.
         groups: of its observation, each an entity below `/observation`: name -> title.
         eye: of the 3-D view; None where there is nothing to see in it.
-        actions: of an action that is not this project's, likewise below `/action`.
+        actions: of its action, likewise below `/action`.
+        gripper: whether the action is a known one, in [-1, 1], with a gripper of its own.
         absent: which of `/state`, `/reward` and `/joints` the episode does not have.
     """
 
@@ -36,6 +39,7 @@ class EpisodeLayout:
     groups: Mapping[str, str]
     eye: Eye | None
     actions: Mapping[str, str] = field(default_factory=dict)
+    gripper: bool = False
     absent: frozenset[str] = frozenset()
 
 
@@ -186,14 +190,15 @@ def _episode_tab(layout: EpisodeLayout) -> rrb.Container:
 
 
 def _actions(layout: EpisodeLayout) -> list[rrb.View]:
-    if layout.actions:
-        return [series_view(title, f"/action/{name}") for name, title in layout.actions.items()]
-    span = (-1.05, 1.05)
-    return [
-        series_view("Action: translation (1 = 5 cm)", "/action/translation", span),
-        series_view("Action: rotation (1 = 0.5 rad)", "/action/rotation", span),
-        series_view("Gripper (-1 open, +1 closed)", ["/action/gripper", "/gripper"], span),
-    ]
+    span = UNIT if layout.gripper else None
+    views = [series_view(title, f"/action/{name}", span) for name, title in layout.actions.items()]
+    return [*views, *((gripper_view(),) if layout.gripper else ())]
+
+
+def gripper_view(root: str = "") -> rrb.View:
+    """What the gripper is told, what it has become of that, and its aperture."""
+    contents = [f"{root}/action/gripper", f"{root}/gripper"]
+    return series_view("Gripper (-1 open, +1 closed)", contents, UNIT)
 
 
 def _state_view() -> rrb.View:

@@ -12,8 +12,8 @@ import numpy as np
 
 from lfr.artifacts import read_json
 from lfr.data.episode import ACTION, IMAGES, SUCCESS, Episode
+from lfr.embodiments import is_known
 from lfr.errors import DataError
-from lfr.robots import ROBOTS
 from lfr.tasks import TASKS
 from lfr.view.episode import UNSAID
 from lfr.view.series import entity_part
@@ -86,14 +86,14 @@ def read_episode(path: Path, index: int) -> Episode:
         for name, feature in info["features"].items()
         if name in table.column_names and feature["dtype"] not in NOT_NUMBERS
     }
-    folder, _, of = path.resolve().name.partition("-")
+    folder, _, of = path.resolve().name.rpartition("-")
     success, seed = (
         value if isinstance(value := row.get(name), int) else None for name in ("success", "seed")
     )
     if success is None and SUCCESS in features:
         success = bool(np.any(features[SUCCESS]))
     unsaid = [name for name, value in (("seed", seed), ("success", success)) if value is None]
-    robot = folder if folder in ROBOTS else info.get("robot_type")
+    robot = folder if is_known(folder) else info.get("robot_type")
     return Episode(
         robot=str(row.get("robot") or robot or ""),
         task=str(row.get("task_name") or (of if of in TASKS else "")),

@@ -4,9 +4,10 @@ Entities, on the timelines `time` (s) and `frame`:
 
     /world/<body>           Transform3D        pose in the world; geometry below it (lfr.view.scene)
     /path/gripper_open, /path/gripper_closing  LineStrips3D, where the end effector goes;
-    /path/end_effector     where the action is not this project's
+    /path/end_effector      where the action is no known embodiment's
     /camera/<name>          EncodedImage       JPEG
-    /action/translation, /action/rotation, /action/gripper; /action/<group> of another layout
+    /action/translation, /action/rotation or /action/dq; /action/gripper
+    /action/<group>         Scalars            of another layout
     /gripper, /reward       Scalars, every series named
     /state/gripper, /state/success             StateChange
     /observation/<group>    Scalars            each group of the observation, such as cube_pos
@@ -27,10 +28,11 @@ from numpy.typing import NDArray
 
 from lfr.artifacts import write_whole
 from lfr.data.episode import FPS, JOINT_POSITION, REWARD, SUCCESS, Episode
-from lfr.robots import ROBOTS
+from lfr.embodiments import is_known
+from lfr.view.action import own_action
 from lfr.view.blueprint import EpisodeLayout, episode_blueprint
 from lfr.view.eye import eye_on
-from lfr.view.features import action_groups, is_own_action, log_features, observation_groups
+from lfr.view.features import action_groups, log_features, observation_groups
 from lfr.view.motion import Poses, in_known_scene, poses_of
 from lfr.view.path import end_effector_path, log_path
 from lfr.view.scene import WORLD, body_path, log_arm, log_scene, moving_bodies
@@ -88,8 +90,9 @@ def save_episode(path: Path, episode: Episode, poses: Poses | None = None) -> No
 def episode_layout(episode: Episode, poses: Poses, note: str | None = None) -> EpisodeLayout:
     """What the layout of an episode depends on; `note` stands before its title."""
     seen, there = places_seen(episode, poses), episode.features
+    own = own_action(episode) is not None
     has = {
-        "/state": SUCCESS in there or is_own_action(episode),
+        "/state": SUCCESS in there or own,
         "/reward": REWARD in there,
         "/joints": JOINT_POSITION in there,
     }
@@ -99,13 +102,14 @@ def episode_layout(episode: Episode, poses: Poses, note: str | None = None) -> E
         groups={name: group.title for name, group in observation_groups(episode).items()},
         eye=eye_on(seen) if len(seen) else None,
         actions={name: group.title for name, group in action_groups(episode).items()},
+        gripper=own,
         absent=frozenset(entity for entity, is_there in has.items() if not is_there),
     )
 
 
 def places_seen(episode: Episode, poses: Poses) -> NDArray[np.float64]:
     """Where the 3-D view has something that moves, (N, 3) (m); N is 0 where there is nothing."""
-    if poses and episode.robot in ROBOTS:
+    if poses and is_known(episode.robot):
         scene = moving_bodies(episode.robot, episode.task) if in_known_scene(episode) else poses
         seen = [poses[body][:, :3] for body in scene if body in poses]
         if seen:
@@ -152,7 +156,7 @@ def log_bodies(recording: rr.RecordingStream, episode: Episode, poses: Poses) ->
             log_cube_size(recording, episode)
     else:
         recording.log(WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
-        if poses and episode.robot in ROBOTS:
+        if poses and is_known(episode.robot):
             shown = log_arm(recording, episode.robot, poses.keys())
     log_poses(recording, {body: poses[body] for body in shown}, fps=fps_of(episode))
 

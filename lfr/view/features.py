@@ -1,7 +1,8 @@
 """An episode's features as named series: action, gripper, reward, success, observation, joints.
 
-The action that is this project's is seen as translation, rotation and gripper. Of any other layout
-nothing is known but its names: its dimensions are seen in the groups that these make.
+The action of a known embodiment is seen as the quantities of its space: translation and rotation,
+or the joints; and the gripper. Of any other layout nothing is known but its names: its dimensions
+are seen in the groups that these make.
 """
 
 from __future__ import annotations
@@ -21,8 +22,10 @@ from lfr.data.episode import (
     SUCCESS,
     Episode,
 )
-from lfr.robots import ACTION_NAMES
-from lfr.view import series
+from lfr.errors import UnknownNameError
+from lfr.spaces import quantity
+from lfr.view import action, series
+from lfr.view.action import motion_title, own_action
 from lfr.view.series import (
     CLOSING_COLOR,
     OPEN_COLOR,
@@ -37,7 +40,7 @@ if TYPE_CHECKING:
     import rerun as rr
 
 APERTURE_SCALE = 0.08
-"""m; the common scale of both arms' apertures."""
+"""m; the common scale of all arms' apertures."""
 
 GRIPPER = ("gripper_aperture", "gripper_command")  # of this project's state
 OBSERVATION = "observation."
@@ -66,12 +69,11 @@ def log_features(recording: rr.RecordingStream, episode: Episode) -> None:
     features, schema = episode.features, episode.schema
     times = frame_times(np.arange(len(episode)), fps_of(episode))
 
-    if is_own_action(episode):
-        action, names = np.asarray(features[ACTION]), ACTION_NAMES
-        log_series(recording, "/action/translation", times, action[:, :3], names[:3])
-        log_series(recording, "/action/rotation", times, action[:, 3:-1], names[3:-1])
-        log_series(recording, "/action/gripper", times, action[:, -1], ["action"], [series.AMBER])
-        words = np.where(action[:, -1] > 0, "close", "open")
+    own = own_action(episode)
+    if own is not None:
+        closing = np.asarray(features[ACTION])[:, own.slice(action.GRIPPER)]
+        log_series(recording, "/action/gripper", times, closing, ["action"], [series.AMBER])
+        words = np.where(closing[:, 0] > 0, "close", "open")
         colors = {"open": OPEN_COLOR, "close": CLOSING_COLOR}
         log_states(recording, "/state/gripper", times, list(words), colors)
     if REWARD in features:
@@ -94,15 +96,17 @@ def log_features(recording: rr.RecordingStream, episode: Episode) -> None:
         log_series(recording, "/joints", times, features[JOINT_POSITION], joints)
 
 
-def is_own_action(episode: Episode) -> bool:
-    """Whether the action is this project's: OSC_POSE deltas and the gripper."""
-    return episode.schema[ACTION].names == ACTION_NAMES
-
-
 def action_groups(episode: Episode) -> dict[str, Group]:
-    """The groups of an action of another layout, by entity below `/action`; {} of our own."""
-    names = episode.schema[ACTION].names or ()
-    return {} if is_own_action(episode) else _groups(ACTION, names, {}, str)
+    """The groups of the action, the gripper of a known one aside, by entity below `/action`."""
+    own = own_action(episode)
+    if own is None:
+        return _groups(ACTION, episode.schema[ACTION].names or (), {}, str)
+    return {
+        each.name: Group(ACTION, motion_title(each), tuple(range(*place.indices(own.size))),
+                         each.parts)
+        for each, place in own.items()
+        if each.name != action.GRIPPER
+    }  # fmt: skip
 
 
 def observation_groups(episode: Episode) -> dict[str, Group]:
@@ -112,7 +116,7 @@ def observation_groups(episode: Episode) -> dict[str, Group]:
         for key, values in episode.features.items()
         if key.startswith(OBSERVATION) and np.asarray(values).dtype.kind in "biuf"
     ]
-    title = _metric if is_own_action(episode) else str  # what unit others use, no name says
+    title = str if own_action(episode) is None else _titled  # others' names say no unit
     found: dict[str, Group] = {}
     for key in dict.fromkeys([STATE, ENVIRONMENT_STATE, *others]):
         if key in episode.features and key != JOINT_POSITION:
@@ -143,10 +147,13 @@ def _groups(
     return found
 
 
-def _metric(group: str) -> str:
-    """A group with its unit: positions, offsets and the aperture are lengths."""
-    length = group.endswith(("_pos", "_aperture")) or "_to_" in group
-    return f"{group} (m)" if length else group
+def _titled(group: str) -> str:
+    """A group with its unit, where the name says it."""
+    try:
+        unit = quantity(group).unit
+    except UnknownNameError:
+        unit = ""
+    return f"{group} ({unit})" if unit else group
 
 
 def _log_groups(

@@ -2,7 +2,8 @@
 
 It shows what `log_layout` shows in rerun. The panels' options are foxglove-sdk's; around them is
 the form in which Foxglove exports a layout and imports it from a file, which its open-source
-relative Lichtblick shares. `python -m lfr.view.foxglove_layout` writes the file anew.
+relative Lichtblick shares. `python -m lfr.view.foxglove_layout` writes the file anew, with the
+arguments of `log_layout` that of another embodiment.
 """
 
 from __future__ import annotations
@@ -17,8 +18,9 @@ import foxglove.layouts as fl
 import numpy as np
 
 from lfr.data import messages
+from lfr.embodiments import Embodiment
 from lfr.view.blueprint import BACKGROUND
-from lfr.view.log_layout import AXES, CAMERA, EYE, PLOTS, WORLD, Plot
+from lfr.view.log_layout import AXES, CAMERA, EYE, WORLD, Plot, plots, wanted
 from lfr.view.series import GREY, VIOLET, Color
 
 FILE = Path(__file__).with_name("foxglove.json")
@@ -33,16 +35,16 @@ Place = str | dict[str, Any]
 """A panel, by its name, or two places and how they share theirs."""
 
 
-def foxglove_layout() -> dict[str, Any]:
+def foxglove_layout(body: Embodiment) -> dict[str, Any]:
     """Frames, camera and observation at the left, the series at the right.
 
     The name of a panel is its type, `!`, and what tells it from others of that type.
     """
     picture = fl.ImageConfig(image_mode=fl.ImageModeConfig(image_topic=CAMERA))
     numbers = fl.RawMessagesConfig(topic_path=messages.OBSERVATION, expansion="all")
-    plots = {
+    curves = {
         f"Plot!{number}": _options(plot.name, _plot(plot))
-        for number, plot in enumerate(PLOTS, start=1)
+        for number, plot in enumerate(plots(body), start=1)
     }
     beside = {
         "3D!bodies": _bodies(),
@@ -51,9 +53,9 @@ def foxglove_layout() -> dict[str, Any]:
     }
     frames, *others = beside
     left = _shared("column", [frames, _shared("row", others)], [2, 1])
-    right = _shared("column", [_shared("row", pair) for pair in batched(plots, 2)])
+    right = _shared("column", [_shared("row", pair) for pair in batched(curves, 2)])
     return {
-        "configById": {**beside, **plots},
+        "configById": {**beside, **curves},
         "globalVariables": {},
         "userNodes": {},
         "playbackConfig": {"speed": 1},
@@ -179,4 +181,5 @@ def _hex(color: Color) -> str:
 
 
 if __name__ == "__main__":
-    FILE.write_text(json.dumps(foxglove_layout(), indent=2) + "\n", encoding="utf-8")
+    body, out = wanted(FILE)
+    out.write_text(json.dumps(foxglove_layout(body), indent=2) + "\n", encoding="utf-8")

@@ -1,12 +1,16 @@
 """The layout of a raw MCAP log in plain `rerun`, as the committed file `log.rbl` holds it.
 
 rerun reads a log's poses and pictures by itself; our own messages and the joints arrive as
-structures, of which a view plots a field where its layout names it. `python -m lfr.view.log_layout`
-writes the file anew; `rerun episode-000000.mcap log.rbl` opens a log with it.
+structures, of which a view plots a field where its layout names it. The fields of an action are its
+controller's: the committed file is for any arm under OSC_POSE, and
+`python -m lfr.view.log_layout ur5e-joint_position ur5e.rbl` writes that of another embodiment.
+Without arguments it writes the committed file anew; `rerun episode-000000.mcap log.rbl` opens a log
+with it.
 """
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,8 +18,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lfr.data import messages
+from lfr.embodiments import Embodiment, embodiment
 from lfr.view import series
-from lfr.view.blueprint import BACKGROUND
+from lfr.view.action import GRIPPER, motion_title
+from lfr.view.blueprint import BACKGROUND, UNIT
 from lfr.view.eye import Eye
 from lfr.view.series import Color
 
@@ -56,28 +63,42 @@ class Plot:
     colors: Sequence[Color] = series.PALETTE
 
 
-UNIT = (-1.05, 1.05)
-PLOTS = (
-    Plot("Action: translation (1 = 5 cm)", "/action", "lfr.Action",
-         {".dx": "dx", ".dy": "dy", ".dz": "dz"}, UNIT),
-    Plot("Action: rotation (1 = 0.5 rad)", "/action", "lfr.Action",
-         {".drx": "drx", ".dry": "dry", ".drz": "drz"}, UNIT),
-    Plot("Action: gripper (-1 open, +1 closed)", "/action", "lfr.Action",
-         {".gripper": "gripper"}, UNIT, (series.AMBER,)),
-    Plot("End effector (m)", "/observation", "lfr.Observation",
-         {".eef_pos_x": "x", ".eef_pos_y": "y", ".eef_pos_z": "z"}),
-    Plot("Gripper aperture (m)", "/observation", "lfr.Observation",
-         {".gripper_aperture": "aperture"}, None, (series.TEAL,)),
-    Plot("Reward", "/reward", "lfr.Reward", {".reward": "reward"}, None, (series.VIOLET,)),
-    Plot("Success", "/success", "lfr.Success", {".success": "success"}, (-0.05, 1.05),
-         (series.GREEN,)),
-    Plot("Joints (rad)", "/joint_states", "foxglove.JointStates",
-         {".joints[].position": tuple(f"joint {number}" for number in range(7))}),
-)  # fmt: skip
-"""What every log has; the objects' names differ from task to task."""
+DEFAULT = "panda"
+"""Whose logs the committed layouts are for: those of any arm of seven joints under OSC_POSE."""
 
 
-def log_blueprint() -> rrb.Blueprint:
+def plots(body: Embodiment) -> tuple[Plot, ...]:
+    """What every log of an embodiment has; the objects' names differ from task to task."""
+    joints = tuple(f"joint {number}" for number in range(len(body.robot.joints)))
+    return (
+        *_motions(body),
+        Plot("Action: gripper (-1 open, +1 closed)", messages.ACTION, "lfr.Action",
+             {f".{GRIPPER}": GRIPPER}, UNIT, (series.AMBER,)),
+        Plot("End effector (m)", messages.OBSERVATION, "lfr.Observation",
+             {".eef_pos_x": "x", ".eef_pos_y": "y", ".eef_pos_z": "z"}),
+        Plot("Gripper aperture (m)", messages.OBSERVATION, "lfr.Observation",
+             {".gripper_aperture": "aperture"}, None, (series.TEAL,)),
+        Plot("Reward", messages.REWARD, "lfr.Reward", {".reward": "reward"}, None,
+             (series.VIOLET,)),
+        Plot("Success", messages.SUCCESS, "lfr.Success", {".success": "success"}, (-0.05, 1.05),
+             (series.GREEN,)),
+        Plot("Joints (rad)", messages.JOINT_STATES, "foxglove.JointStates",
+             {".joints[].position": joints}),
+    )  # fmt: skip
+
+
+def _motions(body: Embodiment) -> list[Plot]:
+    """The quantities of the action, but for the gripper."""
+    found = []
+    for each in body.action.quantities:
+        if each.name != GRIPPER:
+            names = zip(each.names, each.parts, strict=True)
+            fields = {f".{messages.identifier(name)}": part for name, part in names}
+            found.append(Plot(motion_title(each), messages.ACTION, "lfr.Action", fields, UNIT))
+    return found
+
+
+def log_blueprint(body: Embodiment) -> rrb.Blueprint:
     """Frames and camera at the left, the series at the right."""
     import rerun.blueprint as rrb
 
@@ -92,7 +113,7 @@ def log_blueprint() -> rrb.Blueprint:
     )
     picture = rrb.Spatial2DView(origin=CAMERA, name="agentview")
     left = rrb.Vertical(frames, picture, row_shares=[2, 1])
-    right = rrb.Grid(*map(_view, PLOTS), grid_columns=2)
+    right = rrb.Grid(*map(_view, plots(body)), grid_columns=2)
     return rrb.Blueprint(
         rrb.Horizontal(left, right, column_shares=[1, 1.4]),
         rrb.BlueprintPanel(state="collapsed"),
@@ -143,5 +164,15 @@ def _axes() -> Any:
     return rr.TransformAxes3D(axis_length=AXES).visualizer()
 
 
+def wanted(file: Path) -> tuple[Embodiment, Path]:
+    """Whose layout the command line asks for and where to: by default the committed ``file``."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("embodiment", nargs="?", default=DEFAULT)
+    parser.add_argument("out", nargs="?", type=Path, default=file)
+    options = parser.parse_args()
+    return embodiment(options.embodiment), options.out
+
+
 if __name__ == "__main__":
-    log_blueprint().save(APPLICATION, str(FILE))
+    body, out = wanted(FILE)
+    log_blueprint(body).save(APPLICATION, str(out))

@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-import lfr.robots
 import lfr.tasks
 from lfr.data.episode import ENVIRONMENT_STATE, JOINT_POSITION, STATE, Episode
+from lfr.embodiments import embodiment, is_known
 from lfr.errors import DataError
-from lfr.robots import ROBOTS, Robot
-from lfr.spaces import ROBOT_STATE
+from lfr.robots import Gripper, Robot
+from lfr.spaces import ROBOT_STATE, Space
 from lfr.tasks import TASKS
 
 Poses = Mapping[str, NDArray[np.float64]]
@@ -53,7 +53,7 @@ def poses_of(episode: Episode, log: Path | None = None) -> Poses:
 
 def in_known_scene(episode: Episode) -> bool:
     """Whether this project can build the scene that an episode happened in."""
-    return episode.robot in ROBOTS and episode.task in TASKS
+    return is_known(episode.robot) and episode.task in TASKS
 
 
 def poses_of_states(episode: Episode) -> Poses:
@@ -66,11 +66,12 @@ def poses_of_states(episode: Episode) -> Poses:
 
     from lfr.view.scene import kinematic_model
 
-    model = kinematic_model(episode.robot, episode.task)
+    robot = _robot(episode)
+    model = kinematic_model(robot.name, episode.task)
     data = mujoco.MjData(model)
     states = episode.simulator_state
-    # qpos, qvel, warm start, then posture (7), gripper command, cube size (3)
-    expected = model.nq + 2 * model.nv + 11
+    # qpos, qvel, warm start, posture, gripper command, cube size: lfr.sim.Simulation.state
+    expected = model.nq + 2 * model.nv + len(robot.joints) + 1 + 3
     if states.shape[1] != expected:
         raise DataError(
             "simulator states of another simulation",
@@ -90,9 +91,9 @@ def poses_of_states(episode: Episode) -> Poses:
 def poses_of_observations(episode: Episode) -> Poses:
     """Poses (T, 7) from joint positions and object observations, through MuJoCo's kinematics.
 
-    Nearly exact, and enough to look at: fingers are taken as symmetric, objects with rotational
-    symmetry are known up to it, and an object that is observed by its position alone (the lower
-    cube of `stack`) stands upright.
+    Nearly exact, and enough to look at: fingers are taken as symmetric, or at rest where their
+    gap does not say where their joints are; objects with rotational symmetry are known up to it,
+    and an object that is observed by its position alone (the lower cube of `stack`) stands upright.
 
     Raises:
         DataError: the episode has no joint positions.
@@ -101,7 +102,7 @@ def poses_of_observations(episode: Episode) -> Poses:
 
     from lfr.view.scene import kinematic_model
 
-    robot, task = lfr.robots.robot(episode.robot), lfr.tasks.task(episode.task)
+    robot, task = _robot(episode), lfr.tasks.task(episode.task)
     for key in (STATE, ENVIRONMENT_STATE, JOINT_POSITION):
         if key not in episode.features:
             raise DataError(
@@ -114,19 +115,20 @@ def poses_of_observations(episode: Episode) -> Poses:
     model = kinematic_model(robot.name, task.name)
     data = mujoco.MjData(model)
     state = np.asarray(episode.features[STATE], np.float64)
-    observed = _groups(task.environment, episode.features[ENVIRONMENT_STATE])
+    observed = _quantities(task.environment, episode.features[ENVIRONMENT_STATE])
     joints = [model.joint(name).qposadr[0] for name in robot.joints]
-    fingers = [model.joint(name).qposadr[0] for name in robot.finger_joints]
-    opening = (state[:, 9] - robot.pad_gap_at_zero) / 2  # gap = first - second + gap at zero
+    fingers, opening = _fingers(episode, robot.gripper, model)
+    folds = {quantity.name: quantity.fold for quantity in task.environment.quantities}
     rows = []
     for t in range(len(episode)):
         data.qpos[joints] = episode.features[JOINT_POSITION][t]
-        data.qpos[fingers] = opening[t], -opening[t]
+        data.qpos[fingers] = opening[t]
         mujoco.mj_kinematics(model, data)
         base = data.body(robot.base_body)
         axes = base.xmat.reshape(3, 3)
         for name, body in task.objects.items():
-            local = _orientation(name, {k: v[t] for k, v in observed.items()}, state[t], model)
+            seen = {known: values[t] for known, values in observed.items()}
+            local = _orientation(name, folds.get(f"{name}_yaw", 1), seen, state[t], model)
             start = model.joint(model.body(body).jntadr[0]).qposadr[0]
             data.qpos[start : start + 3] = base.xpos + axes @ observed[f"{name}_pos"][t]
             mujoco.mju_mat2Quat(data.qpos[start + 3 : start + 7], (axes @ local).ravel())
@@ -149,19 +151,17 @@ def poses_of_joints(episode: Episode) -> Poses:
 
     from lfr.view.scene import ANY_TASK, kinematic_model
 
-    robot, known = lfr.robots.robot(episode.robot), in_known_scene(episode)
+    robot, known = _robot(episode), in_known_scene(episode)
     model = kinematic_model(robot.name, episode.task if known else ANY_TASK)
     data = mujoco.MjData(model)
     joints = [model.joint(name).qposadr[0] for name in robot.joints]
-    fingers = [model.joint(name).qposadr[0] for name in robot.finger_joints]
-    opening = _fingers(episode, robot)
+    fingers, opening = _fingers(episode, robot.gripper, model)
     base = model.body(robot.base_body).id
     arm = np.flatnonzero(model.body_rootid == model.body_rootid[base])
     rows = np.empty((len(episode), len(arm), 7))
     for t, row in enumerate(rows):
         data.qpos[joints] = episode.features[JOINT_POSITION][t]
-        if opening is not None:
-            data.qpos[fingers] = opening[t]
+        data.qpos[fingers] = opening[t]
         mujoco.mj_kinematics(model, data)
         row[:, :3], row[:, 3:] = data.xpos[arm], data.xquat[arm]
     if not known:
@@ -173,18 +173,49 @@ FINGERS = (("gripper_aperture",), ("robot0_gripper_qpos.0", "robot0_gripper_qpos
 """Names of the state's dimensions that say where the fingers are: this project's, robosuite's."""
 
 
-def _fingers(episode: Episode, robot: Robot) -> NDArray[np.float64] | None:
-    """(T, 2) positions of the finger joints (m), or None where the state does not say them."""
-    names = _names(episode, STATE)
-    for wanted in FINGERS:
-        if set(wanted) <= set(names):
-            places = [names.index(name) for name in wanted]
-            found = np.asarray(episode.features[STATE], np.float64)[:, places]
-            if len(wanted) == 2:
-                return found
-            opening = (found - robot.pad_gap_at_zero) / 2
-            return np.hstack([opening, -opening])
-    return None
+def _robot(episode: Episode) -> Robot:
+    """The arm of an episode. Raises UnknownNameError where there is none of that name."""
+    return embodiment(episode.robot).robot
+
+
+def _fingers(
+    episode: Episode, gripper: Gripper, model: Any
+) -> tuple[list[int], NDArray[np.float64]]:
+    """Places (F,) in `qpos` and positions (T, F) of the finger joints that the state tells.
+
+    They are told by the gap between two slides, or by robosuite's own names; F is 0 where the
+    state has neither, or where the fingers are no pair of slides.
+    """
+    import mujoco
+
+    names, joints = _names(episode, STATE), [model.joint(name) for name in gripper.joints]
+    there = next((wanted for wanted in FINGERS if set(wanted) <= set(names)), ())
+    slides = [joint.type[0] for joint in joints] == [mujoco.mjtJoint.mjJNT_SLIDE] * 2
+    if not there or not slides:
+        return [], np.zeros((len(episode), 0))
+    fingers = [int(joint.qposadr[0]) for joint in joints]
+    places = [names.index(name) for name in there]
+    found = np.asarray(episode.features[STATE], np.float64)[:, places]
+    if len(there) == 2:
+        return fingers, found
+    opening = (
+        found - _gap_at_zero(gripper, model)
+    ) / 2  # opening raises the first, lowers the other
+    return fingers, np.hstack([opening, -opening])
+
+
+def _gap_at_zero(gripper: Gripper, model: Any) -> float:
+    """Gap (m) between the inner faces of the pads where the fingers' joints are at 0."""
+    import mujoco
+
+    data, sides = mujoco.MjData(model), (gripper.left_pads, gripper.right_pads)
+    data.qpos[[model.joint(name).qposadr[0] for name in gripper.joints]] = 0.0
+    mujoco.mj_kinematics(model, data)
+    first, second = (np.mean([data.geom(pad).xpos for pad in pads], axis=0) for pads in sides)
+    # As `lfr.sim.scene` measures it: a pad is thin along the axis on which the hand closes.
+    depth = sum(np.mean([model.geom(pad).size.min() for pad in pads]) for pads in sides)
+    closing = data.site(gripper.grip_site).xmat.reshape(3, 3)[:, 0]
+    return float(abs(closing @ (second - first)) - depth)
 
 
 def _observes_scene(episode: Episode) -> bool:
@@ -198,40 +229,41 @@ def _observes_scene(episode: Episode) -> bool:
 
 def _has_joints(episode: Episode) -> bool:
     """Whether an arm that is known here says the angle of each of its joints."""
-    if episode.robot not in ROBOTS or JOINT_POSITION not in episode.features:
+    if not is_known(episode.robot) or JOINT_POSITION not in episode.features:
         return False
-    count = len(lfr.robots.robot(episode.robot).joints)
-    return episode.features[JOINT_POSITION].shape[1:] == (count,)
+    return episode.features[JOINT_POSITION].shape[1:] == (len(_robot(episode).joints),)
 
 
 def _names(episode: Episode, key: str) -> tuple[str, ...]:
     return (episode.schema[key].names or ()) if key in episode.features else ()
 
 
-def _groups(
-    environment: tuple[tuple[str, tuple[str, ...]], ...], values: NDArray[Any]
-) -> dict[str, NDArray[np.float64]]:
-    ends = np.cumsum([len(parts) for _, parts in environment])
-    split = np.split(np.asarray(values, np.float64), ends[:-1], axis=1)
-    return {name: part for (name, _), part in zip(environment, split, strict=True)}
-
-
-SYMMETRY = {"nut": 2}
-"""k of `<object>_yaw` = cos, sin(k (psi_object - psi_eef)); a cube's is 4."""
+def _quantities(space: Space, values: NDArray[Any]) -> dict[str, NDArray[np.float64]]:
+    """The columns (T, d) of each quantity of (T, D) values, by its name."""
+    table = np.asarray(values, np.float64)
+    return {quantity.name: table[:, place] for quantity, place in space.items()}
 
 
 def _orientation(
-    name: str, observed: dict[str, NDArray[np.float64]], state: NDArray[np.float64], model: Any
+    name: str,
+    fold: int,
+    observed: dict[str, NDArray[np.float64]],
+    state: NDArray[np.float64],
+    model: Any,
 ) -> NDArray[np.float64]:
-    """Rotation (3, 3) of an object in the base frame, its z axis and its yaw given."""
+    """Rotation (3, 3) of an object in the base frame, its z axis and its yaw given.
+
+    Args:
+        fold: k of `<object>_yaw` = cos, sin(k (psi_object - psi_eef)).
+    """
     up = observed.get(f"{name}_up", np.array([0.0, 0.0, 1.0]))
     yaw = 0.0
     if f"{name}_yaw" in observed:
         cos, sin = observed[f"{name}_yaw"]
-        yaw = np.arctan2(state[4], state[3]) + np.arctan2(sin, cos) / SYMMETRY.get(name, 4)
+        yaw = np.arctan2(state[4], state[3]) + np.arctan2(sin, cos) / fold
     rotation = _frame(up, yaw)
-    if "handle_to_eef" in observed:  # half a turn is no symmetry of a nut with a handle
-        handle = observed["handle_to_eef"] + state[:3] - observed[f"{name}_pos"]
+    if "eef_to_handle" in observed:  # half a turn is no symmetry of a nut with a handle
+        handle = observed["eef_to_handle"] + state[:3] - observed[f"{name}_pos"]
         if (rotation @ model.site("SquareNut_handle_site").pos) @ handle < 0:
             rotation = _frame(up, yaw + np.pi)
     return rotation

@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lfr.data.episode import ACTION, STATE, Episode
-from lfr.robots import ACTION_NAMES, ROBOTS
+from lfr.embodiments import embodiment, is_known
+from lfr.spaces import position
+from lfr.view.action import GRIPPER, own_action
 from lfr.view.motion import Poses
 from lfr.view.series import CLOSING_COLOR, OPEN_COLOR, TEAL
 
@@ -20,7 +22,7 @@ if TYPE_CHECKING:
 HAND = "gripper0_right_eef"
 """The body whose origin is the grip site, on every arm of `lfr.robots`."""
 
-EEF_POS = ("eef_pos.x", "eef_pos.y", "eef_pos.z")  # in the base frame (lfr.sim.layout)
+EEF_POS = position("eef").names  # in the base frame
 STEM = re.compile(r"((robot\d*_)?(eef|ee|tcp|end_effector)(_pos|_position|_xyz)?[._])?")
 """What may stand before x, y and z where these are the end effector's, in lower case."""
 
@@ -32,7 +34,8 @@ def end_effector_path(episode: Episode, poses: Poses) -> NDArray[np.float64] | N
     episode's own state, whose names say which of its dimensions they are (`STEM`).
     """
     names = _state_names(episode)
-    base = poses.get(ROBOTS[episode.robot].base_body) if episode.robot in ROBOTS else None
+    known = is_known(episode.robot)
+    base = poses.get(embodiment(episode.robot).robot.base_body) if known else None
     if base is not None and names[:3] == EEF_POS:
         return base[0, :3] + episode.features[STATE][:, :3] @ _rotation(base[0, 3:]).T
     if HAND in poses:  # what frame the state's own positions are in, nothing says
@@ -65,11 +68,12 @@ def log_path(recording: rr.RecordingStream, episode: Episode, poses: Poses) -> N
     if path is None:
         return
     width = rr.Radius.ui_points(1.5)
-    if episode.schema[ACTION].names != ACTION_NAMES:
+    action = own_action(episode)
+    if action is None:
         line = rr.LineStrips3D([path], colors=[TEAL], radii=width)
         recording.log("/path/end_effector", line, static=True)
         return
-    closing = episode.features[ACTION][:, -1] > 0
+    closing = episode.features[ACTION][:, action.index(GRIPPER)] > 0
     parts = (("open", ~closing, OPEN_COLOR), ("closing", closing, CLOSING_COLOR))
     for name, held, color in parts:
         strips = [path[start : end + 1] for start, end in _runs(held)]

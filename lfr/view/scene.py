@@ -48,7 +48,7 @@ def log_scene(
 
     Args:
         recording: where to log to.
-        robot, task: names, as in `lfr.robots` and `lfr.tasks`.
+        robot, task: names, as in `lfr.embodiments` and `lfr.tasks`.
         world: path under which the bodies stand; another one sets a second scene beside the first.
         placed: bodies whose poses are known; what moves and is none of them is left out.
 
@@ -122,20 +122,21 @@ def kinematic_model(robot: str, task: str) -> mujoco.MjModel:
 
 def scene_folder(robot: str, task: str) -> Path:
     """A scene's folder in the cache, built if it is not there yet: `scene.rrd` and `model.mjb`."""
-    import lfr.robots
     import lfr.tasks
+    from lfr.embodiments import embodiment
 
+    arm = embodiment(robot).robot.name  # whatever its controller
     made_of = fingerprint(
-        lfr.robots.robot(robot).name,
+        arm,
         lfr.tasks.task(task).name,
-        code_fingerprint("lfr.view.geometry", "lfr.view.scene", "lfr.sim.scene"),
+        code_fingerprint("lfr.view.geometry", "lfr.view.scene", "lfr.sim.scene", "lfr.robots"),
         *(version(package) for package in ("robosuite", "mujoco", "rerun-sdk")),
     )
-    folder = _cache() / f"{robot}-{task}-{made_of}"
+    folder = _cache() / f"{arm}-{task}-{made_of}"
     if not folder.is_dir():
         with write_whole(folder) as partial:
             partial.mkdir()
-            _build(robot, task, partial)
+            _build(arm, task, partial)
     return folder
 
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from lfr.errors import DataError
 from lfr.view import series
+from lfr.view.action import GRIPPER
 from lfr.view.collection import arrange
 from lfr.view.eye import eye_on
 from lfr.view.side_by_side_layout import Side, beside_blueprint
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 LEFT, RIGHT = "/left", "/right"
 COLORS = {LEFT: series.VIOLET, RIGHT: series.AMBER}
 PATH = "/path/end_effector"  # of an arm without geometry (lfr.view.path)
+GRIPPER_STATE = "/state/gripper"  # of a known embodiment's action (lfr.view.features)
 PROPERTIES, NAME = "/__properties", "RecordingInfo:name"
 RENAMED = {"/reward": "reward"}
 """Entities whose curves of both sides share a view, and what each curve is called there."""
@@ -93,12 +95,14 @@ def _read(file: Path) -> _Recording:
 def _side(root: str, recording: _Recording) -> Side:
     entities = {chunk.entity_path for chunk in recording.chunks}
     cameras = sorted(e.removeprefix("/camera/") for e in entities if e.startswith("/camera/"))
-    plots: list[str] = []
-    if "/action/translation" not in entities:
-        named = ("/action/", "/observation/")
-        plots = sorted(e.removeprefix("/") for e in entities if e.startswith(named))
+    own = GRIPPER_STATE in entities
+    shown = ("/action/",) if own else ("/action/", "/observation/")
+    plots = sorted(e.removeprefix("/") for e in entities if e.startswith(shown))
     eye = eye_on(_moving(recording.chunks))
-    return Side(root, recording.name, tuple(cameras), eye, tuple(plots))
+    if not own:
+        return Side(root, recording.name, tuple(cameras), eye, series=tuple(plots))
+    actions = tuple(name for e in plots if (name := e.removeprefix("action/")) != GRIPPER)
+    return Side(root, recording.name, tuple(cameras), eye, actions=actions)
 
 
 def _moving(chunks: list[Chunk]) -> NDArray[np.float64]:

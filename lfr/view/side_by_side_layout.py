@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from lfr.view.blueprint import BACKGROUND, series_view
+from lfr.view.blueprint import BACKGROUND, UNIT, gripper_view, series_view
 from lfr.view.eye import Eye
 
 if TYPE_CHECKING:
@@ -21,13 +21,15 @@ class Side:
         title: of the episode.
         cameras: names of its cameras.
         eye: of its 3-D view.
-        series: entities to plot below `root` where the action is not this project's.
+        actions: of a known embodiment's action the quantities, the gripper aside.
+        series: entities to plot below `root` where the action is another.
     """
 
     root: str
     title: str
     cameras: tuple[str, ...]
     eye: Eye
+    actions: tuple[str, ...] = ()
     series: tuple[str, ...] = ()
 
 
@@ -89,13 +91,12 @@ def _actions(side: Side) -> rrb.Container:
     if side.series:
         views = [series_view(entity, f"{side.root}/{entity}") for entity in side.series]
         return rrb.Vertical(*views, name=side.title)
-    span, action = (-1.05, 1.05), f"{side.root}/action"
     return rrb.Vertical(
-        series_view("Translation (1 = 5 cm)", f"{action}/translation", span),
-        series_view("Rotation (1 = 0.5 rad)", f"{action}/rotation", span),
-        series_view(
-            "Gripper (-1 open, +1 closed)", [f"{action}/gripper", f"{side.root}/gripper"], span
+        *(
+            series_view(f"Action: {name}", f"{side.root}/action/{name}", UNIT)
+            for name in side.actions
         ),
+        gripper_view(side.root),
         series_view("End effector (m)", f"{side.root}/observation/eef_pos"),
         name=side.title,
     )

@@ -6,7 +6,8 @@ On the timelines of `lfr.view.episode`, at each frame from which a whole window 
     /latent/target/mapped, /prior, /window  the target's
     /skill/divergence       Scalars     KL of the window from its prior, of G's from the target's
     /skill/error            Scalars     RMS between the window's actions and those decoded
-    /path/window, /path/prior, /path/mapped  LineStrips3D, where H actions lead
+    /path/window, /path/prior, /path/mapped  LineStrips3D, where H translations lead, if an action
+                                        is one
 """
 
 from __future__ import annotations
@@ -18,8 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lfr.data.episode import ACTION, Episode
-from lfr.sim.osc import POSITION_SCALE
+from lfr.embodiments import embodiment
 from lfr.view import latent, series
+from lfr.view.action import own_action
 from lfr.view.collection import Overlay
 from lfr.view.latent import log_axes, log_gaussian, log_points
 from lfr.view.motion import Poses
@@ -77,7 +79,7 @@ def log_skills(
     actions = action_windows(episode, models.vaes[trace.arm].horizon)
     errors = [np.sqrt(((part - actions) ** 2).mean(axis=(1, 2))) for part in trace.decoded.values()]
     labels = [f"{name}, decoded" for name in trace.decoded]
-    colors = [color for _, color in PATHS.values()]
+    colors = [PATHS[name][1] for name in trace.decoded]
     log_series(recording, "/skill/error", times, np.stack(errors, 1), labels, colors)
     _log_paths(recording, times, trace, episode, poses)
 
@@ -145,23 +147,32 @@ def _log_paths(
     import rerun as rr
     from scipy.spatial.transform import Rotation
 
-    import lfr.robots
-
-    path = end_effector_path(episode, poses)
-    if path is None:
+    path, moved = end_effector_path(episode, poses), _translation(episode)
+    if path is None or moved is None:
         return
-    base = poses[lfr.robots.robot(episode.robot).base_body][0, 3:]
+    base = poses[embodiment(episode.robot).robot.base_body][0, 3:]
     axes = Rotation.from_quat(base, scalar_first=True).as_matrix()
-    action = np.asarray(episode.features[ACTION][:-1, :3], np.float64)
-    scale = POSITION_SCALE * carried(POSITION_SCALE * action @ axes.T, np.diff(path, axis=0))
+    place, size = moved
+    action = np.asarray(episode.features[ACTION][:-1, place], np.float64)
+    scale = size * carried(size * action @ axes.T, np.diff(path, axis=0))
     starts = path[: len(trace), None]  # (K, 1, 3)
-    for name, (entity, color) in PATHS.items():
-        steps = scale * trace.decoded[name][:, :, :3] @ axes.T
+    for name, decoded in trace.decoded.items():
+        entity, color = PATHS[name]
+        steps = scale * decoded[:, :, place] @ axes.T
         strips = np.concatenate([starts, starts + np.cumsum(steps, axis=1)], axis=1)
         style = rr.LineStrips3D.from_fields(colors=color, radii=rr.Radius.ui_points(2.5))
         recording.log(f"/path/{entity}", style, static=True)
         columns = rr.LineStrips3D.columns(strips=list(strips))
         recording.send_columns(f"/path/{entity}", indexes=times, columns=columns)
+
+
+def _translation(episode: Episode) -> tuple[slice, float] | None:
+    """Where an action translates the hand, and how far a value of 1 does (m); None of joints."""
+    action = own_action(episode)
+    for quantity, place in action.items() if action else ():
+        if quantity.name == "translation":
+            return place, quantity.scale[0]  # the same along all three axes
+    return None
 
 
 def carried(wanted: NDArray[np.float64], done: NDArray[np.float64]) -> float:

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from torch import Tensor
 
     from lfr.mapping.generator import Generator
+    from lfr.skills.artifacts import Seen
     from lfr.skills.prior import SkillPrior
     from lfr.skills.vae import SkillVAE
 
@@ -42,7 +43,8 @@ class SkillModels:
 
     Attributes:
         name: of the transfer.
-        robots: the source's and the target's arm.
+        robots: the source's and the target's embodiment.
+        actions: the names of the dimensions of either's actions.
         vaes: the skill VAE of either.
         source_prior: p(z|s) of the task, in the source's latent space.
         target_prior: the target's own, where it has seen the task.
@@ -51,6 +53,7 @@ class SkillModels:
 
     name: str
     robots: dict[Arm, str]
+    actions: dict[Arm, tuple[str, ...]]
     vaes: dict[Arm, SkillVAE]
     source_prior: SkillPrior
     target_prior: SkillPrior | None
@@ -79,7 +82,8 @@ class WindowTrace:
         mapped: G(p(z|s)), in the target's.
         mapped_window: G(q(z|a)) of a source's demonstration, in the target's; else None.
         target_prior: the target's own p(z|s), in the target's; None where it has none.
-        decoded: what the means decode to, by what was decoded, (K, H, A).
+        decoded: what the means decode to, by what was decoded, (K, H, A); without that of an arm
+            whose actions are not of the demonstration's kind.
     """
 
     arm: Arm
@@ -124,9 +128,11 @@ def load_skill_models(folder: Path, task: str, mapping: Path | None = None) -> S
         known = sorted(p.name.removeprefix("prior-") for p in folder.glob("source/prior-*"))
         raise LfrError(f"{folder}: no prior of {task!r}; the source's are of: {', '.join(known)}")
     own = folder / "target" / f"prior-{task}"
+    seen: dict[Arm, Seen] = {arm: load_seen(folder / arm / "vae") for arm in arms}
     return SkillModels(
         name=place.name,
-        robots={arm: load_seen(folder / arm / "vae").robot for arm in arms},
+        robots={arm: one.robot for arm, one in seen.items()},
+        actions={arm: one.actions.names if one.actions else () for arm, one in seen.items()},
         vaes={arm: load_vae(folder / arm / "vae") for arm in arms},
         source_prior=load_prior(prior),
         target_prior=load_prior(own) if own.is_dir() else None,
@@ -151,11 +157,11 @@ def trace_windows(models: SkillModels, episode: Episode) -> WindowTrace:
         mapped = models.generator(*prior)
         mapped_window = models.generator(*window) if arm == "source" else None
         own = None if models.target_prior is None else models.target_prior(observations)
-        decoded = {
-            "window": vae.decode(window[0]),
-            "source prior": source.decode(prior[0]),
-            "mapped prior": target.decode(mapped[0]),
-        }
+        decoded = {"window": vae.decode(window[0])}
+        if models.actions["source"] == models.actions[arm]:
+            decoded["source prior"] = source.decode(prior[0])
+        if models.actions["target"] == models.actions[arm]:
+            decoded["mapped prior"] = target.decode(mapped[0])
     return WindowTrace(
         arm=arm,
         window=_gaussians(window),

@@ -13,32 +13,33 @@ from lfr.artifacts import file_hash, write_json
 from lfr.curation.replay import chosen, find_logs, replay_log
 from lfr.data.episode import EpisodeInfo
 from lfr.data.log import EpisodeLog, Frame
+from lfr.embodiments import embodiment
 from lfr.errors import DataError, LfrError
 from lfr.sim.simulation import Simulation
+from lfr.tasks import task
 
 STEPS = 8
 
 
-def record(path: Path, seed: int) -> list[Frame]:
-    """Random actions on Panda, as the recorder logs them: the label is not what is executed."""
-    simulation, rng = Simulation("panda", "lift"), np.random.default_rng(seed)
+def record(path: Path, seed: int, robot: str = "panda") -> list[Frame]:
+    """Random actions, as the recorder logs them: the label is not what is executed."""
+    simulation, rng = Simulation(robot, "lift"), np.random.default_rng(seed)
     observation, frames = simulation.reset(seed), []
     for _ in range(STEPS):
-        action, state = rng.uniform(-1, 1, 7), simulation.state()
+        action, state = rng.uniform(-1, 1, simulation.action_size), simulation.state()
         joints = simulation.joint_position()
         steps = simulation.step(action[None])
         frames.append(Frame(observation, joints, 0.5 * action, float(steps.rewards[-1]),
                             bool(steps.successes[-1]), state, action))  # fmt: skip
         observation = steps.observations[-1]
-    write(path, frames, simulation.state(), seed)
+    write(path, frames, simulation.state(), seed, robot)
     return frames
 
 
-def write(path: Path, frames: list[Frame], last: np.ndarray, seed: int = 0) -> None:
-    layout = Simulation("panda", "lift").layout
-    info = EpisodeInfo("panda", "lift", seed, "lift the cube", layout.state_names,
-                       layout.environment.names)  # fmt: skip
-    with EpisodeLog(path, info) as log:
+def write(
+    path: Path, frames: list[Frame], last: np.ndarray, seed: int = 0, robot: str = "panda"
+) -> None:
+    with EpisodeLog(path, EpisodeInfo.of(embodiment(robot), task("lift"), seed)) as log:
         for frame in frames:
             log.frame(frame)
         log.finish(last)
@@ -50,6 +51,13 @@ def logs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for seed in range(2):
         record(folder / f"episode-{seed:06d}.mcap", seed)
     return folder
+
+
+def test_joint_motions_come_back_exactly(tmp_path: Path) -> None:
+    """The log says which controller its actions belong to."""
+    record(tmp_path / "episode-000000.mcap", 0, "panda-joint_position")
+    replay = replay_log(tmp_path / "episode-000000.mcap")
+    assert (replay.same, replay.difference, replay.frames) == (True, 0.0, STEPS)
 
 
 def test_states_come_back_exactly(logs: Path, capsys: pytest.CaptureFixture[str]) -> None:

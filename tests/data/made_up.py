@@ -7,8 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from lfr.data.episode import EpisodeInfo
+from lfr.data.episode import EpisodeInfo, Feature, features
 from lfr.data.log import EpisodeLog, Frame
+from lfr.embodiments import embodiment
 
 Make = Callable[[int, int, int], list[Frame]]
 """Makes the frames of a seed, so many, with pictures of so many pixels."""
@@ -18,25 +19,27 @@ BODIES = ("hand", "cube")
 ENVIRONMENT_NAMES = ("cube_pos.x", "cube_pos.y", "cube_pos.z")
 
 
+def layout(
+    environment: Sequence[str] = ENVIRONMENT_NAMES, robot: str = "panda"
+) -> dict[str, Feature]:
+    """Of an embodiment that is known, with less of an observation than it has."""
+    body = embodiment(robot)
+    return features(STATE_NAMES, environment, body.robot.joints, body.action.names)
+
+
 def info(seed: int = 0, robot: str = "panda", task: str = "lift") -> EpisodeInfo:
-    return EpisodeInfo(
-        robot=robot,
-        task=task,
-        seed=seed,
-        instruction="Lift the cube.",
-        state_names=STATE_NAMES,
-        environment_names=ENVIRONMENT_NAMES,
-    )
+    return EpisodeInfo(robot, task, seed, "Lift the cube.", layout(robot=robot))
 
 
-def frames(seed: int, length: int, image_size: int = 0) -> list[Frame]:
-    rng = np.random.default_rng(seed)
+def frames(seed: int, length: int, image_size: int = 0, robot: str = "panda") -> list[Frame]:
+    rng, body = np.random.default_rng(seed), embodiment(robot)
+    joints = len(body.robot.joints)
     return [
         Frame(
             observation=rng.normal(size=7),
-            joint_position=rng.normal(size=7),
-            joint_velocity=rng.normal(size=7),
-            action=rng.uniform(-1, 1, size=7),
+            joint_position=rng.normal(size=joints),
+            joint_velocity=rng.normal(size=joints),
+            action=rng.uniform(-1, 1, size=body.action.size),
             reward=float(rng.normal()),
             success=t == length - 1,
             simulator_state=rng.normal(size=30),

@@ -15,7 +15,6 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from lfr.data.checks import check_dataset
-from lfr.data.episode import features
 from lfr.data.windows import read_dataset
 from lfr.errors import DataError
 
@@ -24,7 +23,7 @@ from .conftest import LENGTHS
 
 DATA = "data/chunk-000/file-000.parquet"
 EPISODES = "meta/episodes/chunk-000/file-000.parquet"
-LAYOUT = features(made_up.STATE_NAMES, made_up.ENVIRONMENT_NAMES)
+LAYOUT = made_up.layout()
 
 
 @pytest.fixture
@@ -56,11 +55,12 @@ def test_a_sound_dataset_passes(packed: Path) -> None:
 
 
 def test_expectations_are_compared(packed: Path) -> None:
-    other = features(made_up.STATE_NAMES, ("can_pos.x", "can_pos.y", "can_pos.z"))
-    wider = features(made_up.STATE_NAMES, (*made_up.ENVIRONMENT_NAMES, "cube_yaw.cos"))
+    other = made_up.layout(("can_pos.x", "can_pos.y", "can_pos.z"))
+    wider = made_up.layout((*made_up.ENVIRONMENT_NAMES, "cube_yaw.cos"))
     for expected, message in (
         ({"fps": 30}, r"another fps: .*info\.json, found 20, expected 30"),
-        ({"robot": "sawyer"}, r"another robot: .*found panda, expected sawyer"),
+        ({"robot": "sawyer"}, r"another robot or controller: .*found panda, expected sawyer"),
+        ({"robot": "panda-joint_position"}, r"robot or controller.*expected panda-joint_position"),
         ({"task": "stack"}, r"another task: .*found lift, expected stack"),
         ({"features": other}, r"another names.*column observation.environment_state.*cube_pos.x"),
         ({"features": wider}, r"another shape.*environment_state, found \[3\], expected \[4\]"),

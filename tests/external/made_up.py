@@ -38,8 +38,11 @@ external:
       fps: 10
       robot_type: crane
       observation:
-        - {column: observation.state, dims: [x_mm, y_mm], names: [hand.x, hand.y], unit: 1000}
-        - {column: observation.goal, names: [goal.x, goal.y], unit: 1000}
+        - column: observation.state
+          dims: [x_mm, y_mm]
+          names: [hand_pos.x, hand_pos.y]
+          unit: 1000
+        - {column: observation.goal, names: [goal_pos.x, goal_pos.y], unit: 1000}
       action: {column: action, low: [-500, -500, 0], high: [500, 500, 1]}
       tasks:
         push: {instruction: push it}
@@ -48,7 +51,7 @@ external:
     puck:
       fps: 10
       observation:
-        - {column: observation.state, names: [hand.x, hand.y, goal.x, goal.y]}
+        - {column: observation.state, names: [hand_pos.x, hand_pos.y, goal_pos.x, goal_pos.y]}
       action: {column: action}
       tasks:
         push: {path: data/external/puck-push}

@@ -41,7 +41,8 @@ def test_an_entry_reads_the_dataset_as_it_stands(
     np.testing.assert_allclose(
         found.action_space.physical(found.actions.numpy()), actions, rtol=1e-5, atol=1e-3
     )
-    assert found.observation_names == ("y_mm", "x_mm", "joint", "gx", "gy")
+    numbers = [f"number.{name}" for name in ("y_mm", "x_mm", "gx", "gy")]
+    assert found.observation_names == (*numbers[:2], "joint", *numbers[2:])
     # Every dimension comes near its bounds, so nothing of [-1, 1] is wasted.
     every = np.array([oracle[i]["action"].numpy() for i in range(len(oracle))])
     scaled = arm.action.low, arm.action.high

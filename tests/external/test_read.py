@@ -56,7 +56,7 @@ def test_one_task_of_a_dataset_with_dimensions_reordered_and_scaled() -> None:
     np.testing.assert_allclose(
         found.action_space.physical(found.actions.numpy()), action, rtol=1e-5, atol=1e-4
     )
-    assert found.observation_names == ("hand.x", "hand.y", "goal.x", "goal.y")
+    assert found.observation_names == ("hand_pos.x", "hand_pos.y", "goal_pos.x", "goal_pos.y")
     assert found.action_space.names == ("vx", "vy", "hand")
     assert found.rewards is None
     assert found.successes is None
@@ -79,9 +79,17 @@ def test_a_dataset_without_names_or_instruction() -> None:
         ("crane", ("dims: [x_mm, y_mm]", "dims: [x_mm, z_mm]"),
          r"no such dimension.*column observation.state, found y_mm, x_mm, joint, expected z_mm"),
         ("crane", ("dims: [x_mm, y_mm]", "dims: [0, 3]"), "no such dimension.*expected 3"),
-        ("crane", ("names: [goal.x, goal.y]", "names: [goal.x]"),
+        ("crane", ("names: [goal_pos.x, goal_pos.y]", "names: [goal_pos.x]"),
          "another number of names.*observation.goal, found 1 names, expected 2: gx, gy"),
-        ("crane", ("names: [goal.x, goal.y]", "names: [hand.x, goal.y]"), "one name.*hand.x"),
+        ("crane", ("names: [goal_pos.x, goal_pos.y]", "names: [hand_pos.x, goal_pos.y]"),
+         "one name.*hand_pos.x"),
+        ("crane", ("names: [goal_pos.x, goal_pos.y]", "names: [goal_pos.x, far]"),
+         r"`number.<name>` and `joint.<name>` .*column observation.goal, found far, "
+         r"expected one of eef_pos, .*<thing>_pos"),
+        ("crane", ("names: [goal_pos.x, goal_pos.y]", "names: [goal_rot6d.0, goal_rot6d.1]"),
+         "does not say what it is.*found goal_rot6d.0"),
+        ("crane", ("fps: 10", "cartesian: true\n      fps: 10"),
+         "does not say what it is.*column action, found vx"),
         ("crane", ("low: [-500, -500, 0]", "low: [-500, 0]"), "under 'low'.*found 2, expected 3"),
         ("crane", ("low: [-500, -500, 0]", "low: [-500, 600, 0]"), "low is not below high.*'vy'"),
         ("crane", ("low: [-500, -500, 0]", "low: [-100, -500, 0]"),

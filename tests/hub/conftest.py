@@ -46,7 +46,9 @@ def models(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("hub") / "s1-panda-lift"
     seen = Seen("s1", "sawyer", "source", ("lift",), {"sawyer-lift": "0" * 64}, seed=0)
     save_vae(folder / "source" / "vae", SkillVAE(4, 7, 3, 8, 2), seen)
-    save_prior(folder / "source" / "prior-lift", SkillPrior(("a", "b"), 3, 8, 2), seen)
+    save_prior(
+        folder / "source" / "prior-lift", SkillPrior(("number.a", "number.b"), 3, 8, 2), seen
+    )
     return folder
 
 

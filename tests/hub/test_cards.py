@@ -14,20 +14,19 @@ import pyarrow.parquet as pq
 import pytest
 import yaml
 
-from lfr.data.episode import ACTION, DONE, IMAGES, REWARD, STATE, SUCCESS, features
+from lfr.data.episode import ACTION, DONE, IMAGES, REWARD, STATE, SUCCESS, features_of
 from lfr.demos.recorder import RecordParams
+from lfr.embodiments import embodiment, embodiments
 from lfr.errors import DataError
 from lfr.hub import card_command
 from lfr.hub.card_command import everything
 from lfr.hub.dataset_card import dataset_card
 from lfr.hub.dataset_facts import Column, DatasetFacts, read_facts, read_making
-from lfr.hub.dimensions import groups
+from lfr.hub.dimensions import rows
 from lfr.hub.model_facts import read_models
 from lfr.hub.picture import FRAMES, picture
 from lfr.params import read_section
-from lfr.robots import ACTION_NAMES, ROBOTS
 from lfr.seeds import use_of_seed
-from lfr.spaces import ROBOT_STATE
 from lfr.tasks import TASKS
 from tests.data import made_up
 
@@ -58,9 +57,9 @@ def header(text: str) -> Any:
 
 def facts_without_data(name: str) -> DatasetFacts:
     """What a dataset's facts must be, by the results and the code, not by its files."""
-    robot, task = name.split("-")
+    robot, _, task = name.rpartition("-")
     record, pack = read("record", name), read("pack", name)
-    schema = features(ROBOT_STATE.names, TASKS[task].environment_names, ROBOTS[robot].joints)
+    schema = features_of(embodiment(robot), TASKS[task])
     columns = [Column(f.key, f.dtype, f.shape, f.names or ()) for f in schema.values()]
     camera = read_section(RecordParams, "record", ROOT / "params.yaml").camera
     for each in pack["cameras"]:
@@ -138,7 +137,7 @@ def test_the_hub_takes_the_headers(folder: str) -> None:
         given = header(file.read_text())
         assert header_errors(given, folder.removesuffix("_cards")) == []
         if folder == "dataset_cards":
-            robot, task = file.stem.split("-")
+            robot, _, task = file.stem.rpartition("-")
             assert {"LeRobot", robot, task} <= set(given["tags"])
             assert given["configs"][0]["data_files"] == "data/*/*.parquet"
 
@@ -147,12 +146,12 @@ def test_the_hub_takes_the_headers(folder: str) -> None:
 def test_a_card_says_what_the_issue_of_cards_asks(name: str) -> None:
     text = (ROOT / "dataset_cards" / f"{name}.md").read_text()
     record = read("record", name)
-    robot = ROBOTS[name.split("-")[0]]
-    assert "`OSC_POSE`" in text
+    body = embodiment(name.rpartition("-")[0])
+    assert f"`{body.controller.stock_name}`" in text
     assert use_of_seed(record["seeds"]["last"]) == "demonstration"
     assert f"{record['seeds']['first']} to {record['seeds']['last']}" in text
     assert f"{100 * (1 - record['failures'] / record['attempts']):.1f} %" in text
-    for pair in robot.excluded_contacts:
+    for pair in body.robot.excluded_contacts:
         assert all(f"`{body}`" in text for body in pair)
     load = re.search(r"## Load\n\n```python\n(.*?)```", text, re.DOTALL)
     assert load
@@ -160,24 +159,32 @@ def test_a_card_says_what_the_issue_of_cards_asks(name: str) -> None:
     compile(load[1], name, "exec")
 
 
+@pytest.mark.parametrize("robot", [body.name for body in embodiments()])
 @pytest.mark.parametrize("task", TASKS)
-def test_every_dimension_has_a_meaning(task: str) -> None:
-    names = (*ROBOT_STATE.names, *TASKS[task].environment_names, *ACTION_NAMES)
-    shown = list(groups(names))
-    assert [each for each, meaning in shown if meaning is None] == []
-    count = sum(max(1, each.count(" .")) if "." in each else len(each.split()) for each, _ in shown)
-    assert count == len(names)
+def test_every_dimension_is_explained(robot: str, task: str) -> None:
+    body = embodiment(robot)
+    for space in (TASKS[task].observation, body.action):
+        shown = list(rows(space))
+        assert all(about for *_, about in shown)
+        named = " ".join(names.strip("`") for names, *_ in shown).split()
+        assert len(named) - sum(" ." in names for names, *_ in shown) == space.size
+
+
+def test_what_an_action_of_1_asks_of_each_joint() -> None:
+    body = embodiment("panda-joint_position")
+    units = {names: unit for names, unit, *_ in rows(body.action)}
+    scale = zip(body.action.names, body.action_scale, strict=False)
+    assert units == {**{f"`{name}`": f"{value:g} rad" for name, value in scale}, "`gripper`": ""}
+    assert units["`dq.joint1`"] == "0.08 rad"
 
 
 def test_symmetries_are_those_of_the_documents() -> None:
     text = (ROOT / "docs" / "data.md").read_text()
     documented = dict(re.findall(r"`(\w+_yaw)` \(k = (\d)", text))
-    names = {n.split(".")[0] for t in TASKS.values() for n in t.environment.names if "_yaw" in n}
-    assert set(documented) == names
-    for group, k in documented.items():
-        ((_, meaning),) = groups([f"{group}.cos", f"{group}.sin"])
-        assert meaning
-        assert f"cosine and sine of {k} times" in meaning.about
+    yaws = [q for t in TASKS.values() for q in t.environment.quantities if q.name.endswith("_yaw")]
+    assert documented == {yaw.name: str(yaw.fold) for yaw in yaws}
+    for yaw in yaws:
+        assert f"cosine and sine of {yaw.fold} times" in yaw.about
 
 
 def test_facts_are_counted_in_the_files(dataset: Path) -> None:

@@ -7,6 +7,7 @@ import pytest
 from lerobot.envs import make_env, preprocess_observation
 from lerobot.envs.utils import NEW_ROLLOUT_OPTION, env_to_policy_features
 
+from lfr.embodiments import embodiment
 from lfr.errors import LfrError, ParameterError, UnknownNameError
 from lfr.lerobot_plugin import environment as module
 from lfr.lerobot_plugin.env_config import LfrEnv
@@ -60,6 +61,20 @@ def test_features_are_those_of_the_datasets(task: str) -> None:
     names = TASKS[task].environment.names
     assert features["observation.environment_state"].shape == (len(names),)
     assert features["observation.images.agentview"].shape == (3, 128, 128)
+
+
+@pytest.mark.parametrize("robot", ["panda", "panda-joint_position"])
+def test_an_action_is_the_embodiments(robot: str) -> None:
+    size = embodiment(robot).action.size
+    features = env_to_policy_features(LfrEnv(robot=robot, task="lift"))
+    assert features["action"].shape == (size,)
+    environments = batch(1, robot=robot)
+    start(environments, 0)
+    observation = environments.step(np.full((1, size), 0.1, np.float32))[0]
+    expected = simulation(robot, "lift")
+    expected.reset(FIRST["held-out"])
+    moved = expected.step(np.full((1, size), np.float32(0.1))).observations[0]
+    np.testing.assert_array_equal(observation["agent_pos"][0], moved[:11])
 
 
 def test_an_episode_is_cut_at_the_horizon_and_waits() -> None:

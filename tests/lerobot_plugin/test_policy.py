@@ -86,6 +86,13 @@ def test_another_tasks_observation_is_refused(exported: Path) -> None:
         policy.select_action(batch_of(np.zeros((1, 28))))
 
 
+@pytest.mark.parametrize("robot", ["sawyer", "panda-joint_position"])
+def test_another_arm_or_controller_is_refused(exported: Path, robot: str) -> None:
+    """Even one whose action has as many dimensions, by which LeRobot could not tell it."""
+    with pytest.raises(LfrError, match=f"{robot}: another robot or controller.*--env.robot=panda"):
+        loaded(exported, LfrEnv(robot=robot, task="lift"))
+
+
 def test_lerobot_cannot_make_or_train_one(exported: Path) -> None:
     with pytest.raises(ParameterError, match="lfr export"):
         LfrPolicy(LfrConfig(device="cpu"))

@@ -91,7 +91,7 @@ def test_the_same_success_and_return_for_each_start(together: int) -> None:
     ours = roll_out(Fastidious(), judge, seeds)
     assert {outcome.success for outcome in ours} == {True, False}
 
-    given, answered = features_of("lift")
+    given, answered = features_of("panda", "lift")
     config = LfrConfig(device="cpu", input_features=given, output_features=answered)
     config_of_env = LfrEnv(robot="panda", task="lift")
     before, after = make_pre_post_processors(config)

@@ -15,6 +15,7 @@ import pytest
 from lfr.data.dataset import pack_dataset
 from lfr.data.episode import EpisodeInfo
 from lfr.data.log import EpisodeLog, Frame
+from lfr.embodiments import embodiment
 from lfr.tasks import task
 
 PLUGIN = "--env.discover_packages_path=lfr.lerobot_plugin"
@@ -93,14 +94,7 @@ def test_lerobot_train_on_a_dataset_of_ours(tmp_path: Path) -> None:
 def log_of(folder: Path, seed: int) -> Path:
     """A log in the layout of Lift, of a hand that trembles."""
     layout = task("lift").observation
-    info = EpisodeInfo(
-        robot="panda",
-        task="lift",
-        seed=seed,
-        instruction=task("lift").instruction,
-        state_names=layout.state_names,
-        environment_names=layout.environment_names,
-    )
+    info = EpisodeInfo.of(embodiment("panda"), task("lift"), seed)
     rng = np.random.default_rng(seed)
     path = folder / f"episode-{seed:06d}.mcap"
     with EpisodeLog(path, info) as log:

@@ -20,6 +20,8 @@ from lfr.data.episode import (
 )
 from lfr.data.log import EpisodeLog, Frame
 from lfr.data.log_reader import read_log
+from lfr.embodiments import embodiment
+from lfr.tasks import task
 
 FRAMES = 12
 
@@ -38,10 +40,8 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Recorded:
     from lfr.sim.simulation import simulation
 
     sim = simulation("panda", "lift")
-    observation, layout = sim.reset(5), sim.layout
-    info = EpisodeInfo(
-        "panda", "lift", 5, "lift the cube", layout.state_names, layout.environment.names
-    )
+    observation = sim.reset(5)
+    info = EpisodeInfo.of(sim.embodiment, sim.task, 5)
     path = tmp_path_factory.mktemp("logs") / "panda-lift" / "episode-000000.mcap"
     rng, rows = np.random.default_rng(0), []
     with EpisodeLog(path, info) as log:
@@ -70,8 +70,7 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Recorded:
 def write_again(recorded: Recorded, path: Path, seed: int, frames: int, won: bool) -> Path:
     """The first frames of the episode as another log, of another seed and outcome."""
     episode = recorded.episode
-    names = [episode.schema[key].names or () for key in (STATE, ENVIRONMENT_STATE)]
-    info = EpisodeInfo("panda", "lift", seed, "lift the cube", tuple(names[0]), tuple(names[1]))
+    info = EpisodeInfo.of(embodiment("panda"), task("lift"), seed)
     columns = episode.features
 
     def poses(t: int) -> dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]:

@@ -15,8 +15,9 @@ from PIL import Image
 from rerun.experimental import RrdReader
 
 from lfr.cli import main
-from lfr.data.episode import ACTION, JOINT_POSITION, STATE, EpisodeInfo
+from lfr.data.episode import ACTION, JOINT_POSITION, STATE, EpisodeInfo, features
 from lfr.data.log import EpisodeLog, Frame
+from lfr.spaces import joint_motion
 from lfr.view.dataset import dimension_names, read_episode
 from lfr.view.motion import poses_of_states
 from lfr.view.path import end_effector_dimensions
@@ -247,15 +248,18 @@ def test_lists_and_several_episodes(
 
 def test_a_log_of_an_unknown_robot(tmp_path: Path) -> None:
     """The log of docs/bring-a-dataset.md."""
-    info = EpisodeInfo("mine", "push", 0, "push it", ("hand.x", "hand.y"), ("cube.x", "cube.y"))
+    state, environment = ("hand_pos.x", "hand_pos.y"), ("cube_pos.x", "cube_pos.y")
+    joints = tuple(f"joint{number}" for number in range(5))
+    known = features(state, environment, joints, joint_motion(joints).names)
+    info = EpisodeInfo("mine", "push", 0, "push it", known)
     log = tmp_path / "episode-000000.mcap"
     with EpisodeLog(log, info) as episode:
         for step in range(4):
             episode.frame(
                 Frame(
                     observation=np.full(4, float(step)),
-                    joint_position=np.zeros(7),
-                    action=np.zeros(7),
+                    joint_position=np.zeros(5),
+                    action=np.zeros(5),
                     reward=0.0,
                     success=step == 3,
                     simulator_state=np.zeros(1),
@@ -263,7 +267,8 @@ def test_a_log_of_an_unknown_robot(tmp_path: Path) -> None:
             )
         episode.finish(simulator_state=np.zeros(1))
     entities = opened(log, tmp_path / "mine.rrd")
-    assert names_of(entities, "/observation/hand") == ["x", "y"]
+    assert names_of(entities, "/observation/hand_pos") == ["x", "y"]
+    assert names_of(entities, "/action/dq") == list(joints)
     assert not any(path.startswith("/world/") for path in entities)
 
 

@@ -18,8 +18,9 @@ from lfr.view.blueprint import (
 from lfr.view.eye import Eye
 
 LAYOUT = EpisodeLayout(
-    "an episode", ("agentview",), {"eef_pos": "eef_pos (m)"}, Eye(np.ones(3), np.zeros(3))
-)
+    "an episode", ("agentview",), {"eef_pos": "eef_pos (m)"}, Eye(np.ones(3), np.zeros(3)),
+    actions={"translation": "Action: translation", "rotation": "Action: rotation"}, gripper=True,
+)  # fmt: skip
 
 
 def views(part: rrb.Container | rrb.View) -> Iterator[rrb.View]:

@@ -11,12 +11,14 @@ import numpy as np
 import pytest
 from mcap.reader import make_reader
 
-from lfr.data.episode import ACTION_NAMES, EpisodeInfo
+from lfr.data.episode import EpisodeInfo
 from lfr.data.log import EpisodeLog, Frame
 from lfr.data.messages import CameraModel, identifier, message_class
+from lfr.embodiments import Embodiment, embodiment
 from lfr.spaces import ROBOT_STATE
+from lfr.tasks import task
 from lfr.view.foxglove_layout import FILE, foxglove_layout
-from lfr.view.log_layout import EYE
+from lfr.view.log_layout import DEFAULT, EYE
 from tests.data import made_up
 
 LENGTH = 4
@@ -24,22 +26,28 @@ Log = dict[str, list[tuple[str, Any]]]
 """Topic -> schema's name and message, in the order of their times."""
 
 
-@pytest.fixture(scope="module")
-def layout() -> dict[str, Any]:
-    return json.loads(FILE.read_text())
+@pytest.fixture(scope="module", params=["panda", "sawyer-joint_position"])
+def body(request: pytest.FixtureRequest) -> Embodiment:
+    return embodiment(request.param)
 
 
 @pytest.fixture(scope="module")
-def frames() -> list[Frame]:
-    rng = np.random.default_rng(1)
-    plain = made_up.frames(seed=1, length=LENGTH, image_size=32)
-    return [replace(frame, observation=rng.normal(size=len(ROBOT_STATE.names))) for frame in plain]
+def layout(body: Embodiment) -> dict[str, Any]:
+    """The committed one, or that of another embodiment."""
+    return json.loads(FILE.read_text()) if body.name == DEFAULT else foxglove_layout(body)
 
 
 @pytest.fixture(scope="module")
-def log(frames: list[Frame], tmp_path_factory: pytest.TempPathFactory) -> Log:
+def frames(body: Embodiment) -> list[Frame]:
+    rng, size = np.random.default_rng(1), task("lift").observation.size
+    plain = made_up.frames(seed=1, length=LENGTH, image_size=32, robot=body.name)
+    return [replace(frame, observation=rng.normal(size=size)) for frame in plain]
+
+
+@pytest.fixture(scope="module")
+def log(body: Embodiment, frames: list[Frame], tmp_path_factory: pytest.TempPathFactory) -> Log:
     """A log with the state of every arm, read with the schemas that it carries itself."""
-    info = EpisodeInfo("panda", "lift", 1, "lift the cube", ROBOT_STATE.names, ())
+    info = EpisodeInfo.of(body, task("lift"), 1)
     camera = CameraModel(32, 32, np.eye(3), np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
     path = tmp_path_factory.mktemp("foxglove") / "episode-000000.mcap"
     with EpisodeLog(path, info, {"agentview": camera}) as writer:
@@ -83,8 +91,9 @@ def leaves(place: str | dict[str, Any]) -> Iterator[str]:
     yield from leaves(place["second"])
 
 
-def test_the_committed_file_is_current(layout: dict[str, Any]) -> None:
-    assert layout == foxglove_layout(), "run `python -m lfr.view.foxglove_layout`"
+def test_the_committed_file_is_current() -> None:
+    expected = foxglove_layout(embodiment(DEFAULT))
+    assert json.loads(FILE.read_text()) == expected, "run `python -m lfr.view.foxglove_layout`"
 
 
 def test_every_panel_has_one_place_and_a_title(layout: dict[str, Any]) -> None:
@@ -96,7 +105,7 @@ def test_every_panel_has_one_place_and_a_title(layout: dict[str, Any]) -> None:
 
 
 def test_every_plotted_path_is_a_number_of_a_log(
-    layout: dict[str, Any], log: Log, frames: list[Frame]
+    body: Embodiment, layout: dict[str, Any], log: Log, frames: list[Frame]
 ) -> None:
     paths = [each["value"] for plot in panels(layout, "Plot") for each in plot["paths"]]
     assert len(set(paths)) == len(paths)
@@ -106,11 +115,14 @@ def test_every_plotted_path_is_a_number_of_a_log(
 
     last = frames[-1]
     logged = {
-        **{f"/action.{name}": value for name, value in zip(ACTION_NAMES, last.action, strict=True)},
+        **{
+            f"/action.{identifier(name)}": value
+            for name, value in zip(body.action.names, last.action, strict=True)
+        },
         **{f"/joint_states.joints[{k}].position": last.joint_position[k] for k in range(7)},
         **{
             f"/observation.{identifier(name)}": value
-            for name, value in zip(ROBOT_STATE.names, last.observation, strict=True)
+            for name, value in zip(ROBOT_STATE.names, last.observation, strict=False)
         },
         "/reward.reward": last.reward,
         "/success.success": 1.0,

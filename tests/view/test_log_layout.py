@@ -9,7 +9,8 @@ import pyarrow as pa
 import pytest
 from rerun.experimental import RrdReader
 
-from lfr.view.log_layout import APPLICATION, FILE, MESSAGE, PLOTS, TIMELINE, log_blueprint
+from lfr.embodiments import embodiment
+from lfr.view.log_layout import APPLICATION, DEFAULT, FILE, MESSAGE, TIMELINE, log_blueprint, plots
 from lfr.view.viewer import executable
 
 from .conftest import Recorded
@@ -32,7 +33,7 @@ def contents(path: Path) -> list[str]:
 
 def test_the_committed_file_is_current(tmp_path: Path) -> None:
     fresh = tmp_path / "log.rbl"
-    log_blueprint().save(APPLICATION, str(fresh))
+    log_blueprint(embodiment(DEFAULT)).save(APPLICATION, str(fresh))
     assert contents(FILE) == contents(fresh)
     assert any("Action: rotation" in row for row in contents(FILE))
     (store,) = RrdReader(FILE).blueprints()
@@ -48,7 +49,7 @@ def raw(recorded: Recorded, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return out
 
 
-def test_every_plotted_field_is_in_a_log(raw: Path) -> None:
+def test_every_plotted_field_is_in_a_log(recorded: Recorded, raw: Path) -> None:
     fields: dict[str, pa.DataType] = {}
     timelines: dict[str, list[str]] = {}
     entities = set()
@@ -59,7 +60,7 @@ def test_every_plotted_field_is_in_a_log(raw: Path) -> None:
             if name.endswith(f":{MESSAGE}"):
                 fields[f"{chunk.entity_path} {name}"] = schema.field(name).type.value_type
                 timelines[chunk.entity_path] = list(chunk.timeline_names)
-    for plot in PLOTS:
+    for plot in plots(embodiment(recorded.episode.robot)):
         message = fields[f"{plot.topic} {plot.schema}:{MESSAGE}"]
         assert TIMELINE in timelines[plot.topic]
         for selector in plot.fields:

@@ -7,7 +7,10 @@ import numpy as np
 import pytest
 import torch
 
+from lfr.cli import main
+from lfr.columns import ActionSpace
 from lfr.data.episode import ACTION, ENVIRONMENT_STATE, STATE
+from lfr.embodiments import embodiment
 from lfr.errors import DataError, LfrError, UnknownNameError
 from lfr.mapping.artifacts import MappingSeen, save_generator
 from lfr.mapping.generator import Generator
@@ -74,8 +77,6 @@ def _normal(gaussians: Gaussians) -> torch.distributions.Normal:
 
 
 def test_the_command_shows_both_spaces(models: Path, dataset: Path, tmp_path: Path) -> None:
-    from lfr.cli import main
-
     out = tmp_path / "skills.rrd"
     arguments = ["--episode", "0", "--skills", str(models), "--save", str(out)]
     assert main(["view", str(dataset), *arguments]) == 0
@@ -86,6 +87,31 @@ def test_the_command_shows_both_spaces(models: Path, dataset: Path, tmp_path: Pa
         assert np.array(strips).shape == (FRAMES - H + 1, Z, 2, 2)
     strips = np.array(entities["/path/window"]["LineStrips3D:strips"][1])
     assert strips.shape == (FRAMES - H + 1, 1, H + 1, 3)
+
+
+def test_actions_of_another_kind_are_not_compared(
+    recorded: Recorded, dataset: Path, tmp_path: Path
+) -> None:
+    """A source that moves its hand, a target that moves its joints: no window of the one decodes
+    to what the other could be held to."""
+    names = [n for key in (STATE, ENVIRONMENT_STATE) for n in recorded.episode.schema[key].names]
+    folder = tmp_path / "skills" / "s9-sawyer-lift"
+    for role, robot in (("source", "panda"), ("target", "sawyer-joint_position")):
+        action = embodiment(robot).action
+        space = ActionSpace(action.names, (-1.0,) * action.size, (1.0,) * action.size)
+        seen = Seen("s9", robot, role, ("lift",), {}, 0, space)
+        save_vae(folder / role / "vae", SkillVAE(H, action.size, Z, 8), seen)
+        save_prior(folder / role / "prior-lift", SkillPrior(tuple(names), Z, 8, 2), seen)
+    learned = MappingSeen("s9-sawyer-lift", "panda", "sawyer-joint_position", ("lift",), {}, 0)
+    save_generator(tmp_path / "mapping" / folder.name / "g", Generator(Z, 8, 3), learned)
+    trace = trace_windows(load_skill_models(folder, "lift"), recorded.episode)
+    assert set(trace.decoded) == {"window", "source prior"}
+    out = tmp_path / "skills.rrd"
+    assert main(["view", str(dataset), "--skills", str(folder), "--save", str(out)]) == 0
+    entities = rrd.read(out)
+    assert "/path/prior" in entities
+    assert "/path/mapped" not in entities
+    assert len(entities["/skill/error"]["SeriesLines:names"][1][0]) == 2
 
 
 def test_what_is_carried_is_a_least_squares_factor() -> None:
