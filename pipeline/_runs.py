@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from lfr.scenarios import Transfer
+from lfr.scenarios import Role, Transfer
 from lfr.sim.simulation import simulation
+from lfr.skills.library import RoleModels
 from lfr.transfer.methods import start_of
 from lfr.transfer.methods.start import TrainedModels
 from lfr.transfer.model import save_policy
@@ -26,7 +28,8 @@ class RunJob:
     Attributes:
         folder: what the run leaves: the policies ``initial`` and ``policy``, ``learning.rrd`` and
             ``episode-<env_steps>.rrd``; ``checkpoints`` while it learns.
-        skills, mapping: folders of the transfer's models.
+        skills: the transfer's skill models.
+        mapping: folder of its G and F.
     """
 
     transfer: Transfer
@@ -34,7 +37,7 @@ class RunJob:
     seed: int
     params: TransferParams
     folder: str
-    skills: str
+    skills: Mapping[Role, RoleModels]
     mapping: str
 
 
@@ -42,7 +45,7 @@ def learn(job: RunJob) -> dict[str, Any]:
     """Run it, or go on where it was killed; counts and the curve, as `lfr.transfer.train` says."""
     transfer, folder = job.transfer, Path(job.folder)
     robot, task = transfer.target, transfer.task
-    models = TrainedModels(transfer, Path(job.skills), Path(job.mapping))
+    models = TrainedModels(transfer, job.skills, Path(job.mapping))
     start = start_of(job.method, models, job.params, job.seed)
     about = {"transfer": transfer.name, "method": job.method}
     described = {"robot": robot, "task": task, "seed": job.seed, **about}

@@ -11,6 +11,7 @@ from lfr.ablations.other_task import asked_about, save_other_task
 from lfr.scenarios import Transfer
 from lfr.sim.layout import ObservationLayout
 from lfr.skills.artifacts import load_prior, load_seen
+from lfr.skills.library import RoleModels
 from lfr.tasks import task as task_named
 
 
@@ -19,19 +20,19 @@ class WrongTaskJob:
     """The source's prior of the first common task, asked about the new one; nothing is trained.
 
     Attributes:
-        skills: the transfer's skill models.
+        skills: the source's.
         folder: where ``prior`` is saved.
     """
 
     transfer: Transfer
-    skills: str
+    skills: RoleModels
     folder: str
 
 
 def make_wrong_task(job: WrongTaskJob) -> dict[str, Any]:
     """Save the prior of the first common task so that it answers the new task's observations."""
     wrong, new = task_named(job.transfer.common[0]), task_named(job.transfer.task)
-    folder = Path(job.skills) / "source" / f"prior-{wrong.name}"
+    folder = job.skills.prior(wrong.name)
     inner = load_prior(folder, ObservationLayout.of(wrong).names)
     names = ObservationLayout.of(new).names
     prior = asked_about(inner, manipulated(wrong), names, manipulated(new))

@@ -25,8 +25,9 @@ from lfr.evaluation.trials import Trial, success_rate, trial_jobs
 from lfr.jobs import Job, run_jobs
 from lfr.mapping.artifacts import load_generator
 from lfr.mapping.models import MappingJob, fit_mapping
-from lfr.scenarios import Transfer
+from lfr.scenarios import Role, Transfer
 from lfr.skills.artifacts import load_prior, load_vae
+from lfr.skills.library import RoleModels
 from lfr.skills.policy import SkillPolicy
 
 
@@ -45,17 +46,20 @@ class MappedFiles:
 
 
 def chain_trials(
-    transfer: Transfer, skills: Path, mapping: Path, episodes: int
+    transfer: Transfer, skills: Mapping[Role, RoleModels], mapping: Path, episodes: int
 ) -> dict[str, Trial]:
     """The links of a transfer's chain that lead from one arm to the other.
 
     Args:
-        skills: folder of the transfer's skill models, by role.
+        skills: the transfer's skill models.
         mapping: folder of its G and F.
+
+    Raises:
+        DataError: a skill model is missing or damaged.
+        LfrError: one has seen a task that is hidden from its role.
     """
-    task = transfer.task
-    prior, vae = str(skills / "source" / f"prior-{task}"), str(skills / "source" / "vae")
-    target_vae = str(skills / "target" / "vae")
+    task, source = transfer.task, skills["source"]
+    prior, vae, target_vae = map(str, (source.prior(task), source.vae(), skills["target"].vae()))
     links = {
         "identity": SkillFiles(prior, vae),
         "recoded": SkillFiles(prior, target_vae, encoder=vae),

@@ -13,6 +13,7 @@ Beside the chain's links (`lfr.evaluation.chain`):
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -22,8 +23,9 @@ from lfr.evaluation.chain import MappedFiles, chain_trials
 from lfr.evaluation.policies import SkillFiles
 from lfr.evaluation.trials import Trial
 from lfr.mapping.artifacts import load_generator
-from lfr.scenarios import Transfer
+from lfr.scenarios import Role, Transfer
 from lfr.skills.artifacts import load_vae
+from lfr.skills.library import RoleModels
 from lfr.skills.policy import SkillPolicy
 
 PHI = ("linear", "no_cycle", "shuffled", "untrained", "constant")
@@ -64,17 +66,19 @@ class KnownFiles:
         return self.files.load()
 
 
-def model_trials(transfer: Transfer, models: Path, episodes: int) -> dict[str, Trial]:
-    """The links that need nothing but a repetition's ``skills`` and ``mapping``, in ``models``."""
-    skills, task = models / "skills", transfer.task
-    prior, vae = str(skills / "source" / f"prior-{task}"), str(skills / "source" / "vae")
-    links: dict[str, Files] = {"no_generator": SkillFiles(prior, str(skills / "target" / "vae"))}
+def model_trials(
+    transfer: Transfer, skills: Mapping[Role, RoleModels], mapping: Path, episodes: int
+) -> dict[str, Trial]:
+    """The links that need nothing but a repetition's skill models and mapping."""
+    task = transfer.task
+    prior, vae = str(skills["source"].prior(task)), str(skills["source"].vae())
+    links: dict[str, Files] = {"no_generator": SkillFiles(prior, str(skills["target"].vae()))}
     if transfer.oracle:
-        oracle = str(skills / "oracle" / "vae")
-        links["oracle"] = SkillFiles(str(skills / "oracle" / f"prior-{task}"), oracle)
+        oracle = str(skills["oracle"].vae())
+        links["oracle"] = SkillFiles(str(skills["oracle"].prior(task)), oracle)
         links["oracle_decoder"] = SkillFiles(prior, oracle, encoder=vae)
     own = Trial(KnownFiles.of(SkillFiles(prior, vae)), transfer.source, task, episodes)
-    chain = chain_trials(transfer, skills, models / "mapping", episodes)
+    chain = chain_trials(transfer, skills, mapping, episodes)
     return {
         "own_arm": own,
         **{name: _known(trial) for name, trial in chain.items()},
@@ -83,27 +87,31 @@ def model_trials(transfer: Transfer, models: Path, episodes: int) -> dict[str, T
 
 
 def variant_trials(
-    transfer: Transfer, models: Path, other: Path, variants: Path, episodes: int
+    transfer: Transfer,
+    skills: Mapping[Role, RoleModels],
+    mapping: Path,
+    other: RoleModels,
+    variants: Path,
+    episodes: int,
 ) -> dict[str, Trial]:
     """The links that need a repetition's variants.
 
     Args:
-        models: the repetition's ``skills`` and ``mapping``.
-        other: those of the repetition that `lfr.ablations.between_seeds` maps onto.
+        skills, mapping: the repetition's.
+        other: the source's skill models of the repetition that `lfr.ablations.between_seeds` maps
+            onto.
         variants: folder of the repetition's variants, by name.
     """
-    skills, task = models / "skills", transfer.task
-    prior, target = str(skills / "source" / f"prior-{task}"), str(skills / "target" / "vae")
+    task = transfer.task
+    prior, target = str(skills["source"].prior(task)), str(skills["target"].vae())
     phi = [*PHI, *(f"only_{common}" for common in transfer.common)]
     shared, wrong = variants / "shared_vae", str(variants / "wrong_task" / "prior")
     links: dict[str, Files] = {
         "shared_vae": SkillFiles(str(shared / "prior"), str(shared / "vae")),
         **{name: MappedFiles(prior, str(variants / name / "g"), target) for name in phi},
-        "wrong_task": WrongTaskFiles(wrong, str(models / "mapping" / "g"), target),
+        "wrong_task": WrongTaskFiles(wrong, str(mapping / "g"), target),
     }
-    between = MappedFiles(
-        prior, str(variants / "between_seeds" / "g"), str(other / "skills" / "source" / "vae")
-    )
+    between = MappedFiles(prior, str(variants / "between_seeds" / "g"), str(other.vae()))
     return {
         **_on_target(transfer, links, episodes),
         "between_seeds": Trial(KnownFiles.of(between), transfer.source, task, episodes),

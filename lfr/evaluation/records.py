@@ -110,15 +110,17 @@ def transfer_records(runs: Iterable[Run]) -> list[Record]:
 def chain_records(transfers: Sequence[str], results: Path = RESULTS) -> dict[str, Record]:
     """Each transfer's chain: its arms and task, and zero-shot success link by link.
 
-    The first and the last link are priors on their own arm, which the skills stage has measured.
+    The first and the last link are priors on their own arm, which the skills stage has measured for
+    every transfer that shares them.
     """
     records = {}
     for transfer in transfers:
         found = read_json(results / "chain" / f"{transfer}.json")
-        skills = read_json(results / "skills" / f"{transfer}.json")
         links = dict(found["links"])
         for link, role in (("own_arm", "source"), ("oracle", "oracle")):
-            links[link] = skills[role]["prior"][found["task"]]["own_arm"]
+            robot, _, tasks = found["skills"][role].partition("/")
+            models = read_json(results / "skills" / f"{robot}.json")["models"]
+            links[link] = models[tasks]["prior"][found["task"]]["own_arm"]
         about = {key: found[key] for key in ("source", "target", "task")}
         records[transfer] = {**about, "links": {link: links[link] for link in LINKS}}
     return records

@@ -7,7 +7,6 @@ from statistics import fmean
 from typing import Any
 
 from lfr.evaluation.records import LINKS, Record, StageRun
-from lfr.scenarios import ROLES
 
 
 def markdown(header: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
@@ -99,14 +98,14 @@ def demonstration_table(recorded: Mapping[str, Mapping[str, Any]]) -> str:
 
 def skill_table(skills: Mapping[str, Mapping[str, Any]]) -> str:
     """Every prior on its own arm and task, one row per prior."""
-    header = ["transfer", "role", "robot", "task", "own arm %", "KL held out", "position RMSE"]
+    header = ["robot", "tasks seen", "task", "own arm %", "KL held out", "position RMSE"]
     rows = []
-    for transfer, roles in skills.items():
-        for role, model in ((r, roles[r]) for r in ROLES if r in roles):
+    for robot, stage in skills.items():
+        for model in stage["models"].values():
             for task, prior in model["prior"].items():
                 own, kl = prior.get("own_arm"), prior["kl_held_out"]  # no success without simulator
                 rate = percent(own["rate"], (own["low"], own["high"])) if own else "-"
-                rows.append([transfer, role, model["robot"], task, rate,
+                rows.append([robot, ", ".join(model["tasks"]), task, rate,
                              "-" if kl is None else f"{kl:.1f}",
                              _position(model["held_out"][task]["rmse"])])  # fmt: skip
     return markdown(header, rows)

@@ -21,7 +21,7 @@ class Seen:
     """Which demonstrations a model has learned from: stored with it, and held to the leak rule.
 
     Attributes:
-        scenario, robot, role: who the model is (`lfr.scenarios.visible_tasks`).
+        robot: whose actions it speaks of.
         tasks: the tasks whose demonstrations reached it.
         datasets: dataset name -> SHA-256 of its rows.
         seed: of the training.
@@ -29,9 +29,7 @@ class Seen:
             model does not say.
     """
 
-    scenario: str
     robot: str
-    role: str
     tasks: tuple[str, ...]
     datasets: dict[str, str]
     seed: int

@@ -25,7 +25,7 @@ from lfr.skills.prior import SkillPrior
 from lfr.tasks import TASKS, task
 
 Z = 3
-SEEN = Seen("s1", "panda", "source", ("lift",), {}, 0)
+SEEN = Seen("panda", ("lift",), {}, 0)
 # By hand from lfr.tasks: new task -> what a prior of the first task finds there (group -> group).
 CUBE_IN_CAN = {"cube_pos": "can_pos", "cube_up": "can_up", "cube_to_eef": "can_to_eef"}
 NUT_IN_STACK = {

@@ -14,7 +14,11 @@ from lfr.evaluation.chain import chain_trials
 from lfr.evaluation.records import LINKS, chain_records, read_runs, transfer_records
 from lfr.evaluation.report import report
 from lfr.evaluation.statistics import success_of
-from lfr.scenarios import Transfer
+from lfr.scenarios import Scenario, transfers_of
+from lfr.skills.library import transfer_models
+from lfr.skills.prior import SkillPrior
+from lfr.skills.vae import SkillVAE
+from tests.skills.made_up import save_models
 
 NAME = "s1-panda-lift-lfr"
 
@@ -53,16 +57,15 @@ def results(tmp_path: Path) -> Path:
     rates = {link: rate(10 * i) for i, link in enumerate(LINKS)}
     links = {link: rates[link] for link in ("identity", "recoded", "mapped")}
     rmse = {"lift": {"rmse": {"dx": 0.1, "dy": 0.1, "dz": 0.1}}}
-    skills = {
-        role: {
-            "robot": robot,
-            "prior": {"lift": {"own_arm": rates[link], "kl_held_out": 5.0}},
-            "held_out": rmse,
-        }
-        for role, robot, link in (("source", "sawyer", "own_arm"), ("oracle", "panda", "oracle"))
-    }
-    write_json(tmp_path / "skills" / "s1-panda-lift.json", {**skills, "seconds": 3.0})
-    chain = {"source": "sawyer", "target": "panda", "task": "lift", "links": links, "seconds": 2.0}
+    for robot, link in (("sawyer", "own_arm"), ("panda", "oracle")):
+        prior = {"lift": {"own_arm": rates[link], "kl_held_out": 5.0}}
+        model = {"tasks": ["lift", "pick_place"], "prior": prior, "held_out": rmse}
+        skills = {"robot": robot, "models": {"lift+pick_place": model}, "seconds": 1.5}
+        write_json(tmp_path / "skills" / f"{robot}.json", skills)
+    names = {"source": "sawyer/lift+pick_place", "target": "panda/pick_place",
+             "oracle": "panda/lift+pick_place"}  # fmt: skip
+    chain = {"source": "sawyer", "target": "panda", "task": "lift", "skills": names,
+             "links": links, "seconds": 2.0}  # fmt: skip
     record = {"seconds": 10.0, "peak_memory": 2**30, "provenance": {"revision": "b0a7"}}
     lengths = {"episodes": 50, "attempts": 50, "expert_success": 1.0, "frames": 2500,
                "length": {"median": 50.0}}  # fmt: skip
@@ -116,7 +119,9 @@ def test_the_report_says_of_each_stage_how_it_ran(results: Path) -> None:
     assert stages["record"] == ["1", "10", "1.00", "b0a7"]
     assert stages["transfer"] == ["1", "1", "1.50", "c0ffee+"]
     assert stages["evaluate"] == ["1", "1", "-", "?"]  # left by a stage that did not say
-    assert stages["all"] == ["4", "15", "1.50", ""]
+    assert stages["all"] == ["5", "15", "1.50", ""]
+    skilled = [row for row in rows if row[1:3] == ["lift, pick_place", "lift"]]
+    assert [row[0] for row in skilled] == ["panda", "sawyer"]
     assert "- transfer: Python 3.12.1, Linux; mujoco 3.9.0." in text
 
 
@@ -146,8 +151,13 @@ def test_the_figure_is_the_same_bytes_again(results: Path) -> None:
 
 
 def test_the_chain_has_its_links_in_order_and_on_the_right_arm(tmp_path: Path) -> None:
-    transfer = Transfer("s1-panda-lift", "s1", "sawyer", "panda", ("pick_place",), "lift")
-    trials = chain_trials(transfer, Path("skills"), Path("mapping"), 10)
+    scenario = Scenario("s1", ("pick_place",), {"panda": "lift", "sawyer": "stack"})
+    transfer, _ = transfers_of(scenario)
+    skills = transfer_models(scenario, transfer, tmp_path)
+    vae, prior = SkillVAE(2, 2, 2, 2), SkillPrior(("x",), 2, 2, 1)
+    save_models(skills["source"], vae, {"lift": prior})
+    save_models(skills["target"], vae, {})
+    trials = chain_trials(transfer, skills, Path("mapping"), 10)
     own_arm = {"own_arm", "oracle"}  # measured by the skills stage
     assert tuple(trials) == tuple(link for link in LINKS if link not in own_arm)
     assert {trial.robot for trial in trials.values()} == {"panda"}

@@ -31,7 +31,7 @@ from lfr.skills.vae import SkillVAE
 from lfr.tasks import task
 
 NAMES = ObservationLayout.of(task("lift")).names
-SEEN = Seen("s1", "panda", "target", ("pick_place",), {"panda-pick_place": "ab"}, 7)
+SEEN = Seen("panda", ("pick_place",), {"panda-pick_place": "ab"}, 7)
 
 
 def observations(count: int, seed: int = 0) -> torch.Tensor:

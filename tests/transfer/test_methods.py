@@ -12,8 +12,9 @@ from lfr.ablations.other_task import OtherTaskPrior, save_other_task
 from lfr.errors import DataError
 from lfr.mapping.artifacts import MappingSeen, save_generator
 from lfr.mapping.generator import Generator
-from lfr.scenarios import Transfer
-from lfr.skills.artifacts import Seen, save_prior, save_vae
+from lfr.scenarios import Scenario, transfers_of
+from lfr.skills.artifacts import Seen
+from lfr.skills.library import transfer_models
 from lfr.skills.prior import SkillPrior
 from lfr.skills.vae import SkillVAE
 from lfr.transfer.distribution import SQUASHED
@@ -21,23 +22,24 @@ from lfr.transfer.loop import TransferLoop
 from lfr.transfer.methods import start_of
 from lfr.transfer.methods.start import TrainedModels
 from lfr.transfer.model import load_policy, save_policy
+from tests.skills.made_up import save_models
 
 from .point import NAMES, PointSimulation
 
-TRANSFER = Transfer("s-b-new", "s", "a", "b", ("lift",), "new")
+SCENARIO = Scenario("s", ("lift",), {"a": "other", "b": "new"})
+_, TRANSFER = transfers_of(SCENARIO)  # from a to b
 
 
 @pytest.fixture
 def models(tmp_path: Path) -> TrainedModels:
     torch.manual_seed(1)
-    skills, mapping = tmp_path / "skills", tmp_path / "mapping"
-    seen = Seen("s", "a", "source", ("new",), {}, 0)
-    for role in ("source", "target"):
-        save_vae(skills / role / "vae", SkillVAE(3, 2, 4, 8), seen)
+    skills, mapping = transfer_models(SCENARIO, TRANSFER, tmp_path / "skills"), tmp_path / "mapping"
+    vaes = SkillVAE(3, 2, 4, 8), SkillVAE(3, 2, 4, 8)
     prior = SkillPrior(NAMES, latent_dim=4, hidden=16, layers=2)
     prior.normalizer.mean.fill_(0.5)
-    save_prior(skills / "source" / "prior-new", prior, seen)
-    mapped = MappingSeen("s-b-new", "a", "b", ("lift",), {}, 0)
+    save_models(skills["source"], vaes[0], {"new": prior})
+    save_models(skills["target"], vaes[1], {})
+    mapped = MappingSeen("s-b-new", "a", "b", ("a/lift+new", "b/lift"), ("lift",), {}, 0)
     save_generator(mapping / "g", Generator(4, 16, 3), mapped)
     only = Generator(4, 16, 3)
     save_generator(tmp_path / "variants" / "only_lift" / "g", only, mapped)
@@ -115,7 +117,7 @@ def test_who_begins_with_another_tasks_prior_sees_everything(models, params, tmp
     inner = SkillPrior(("x_pos", "goal_to_x"), latent_dim=4, hidden=16, layers=2)
     prior = OtherTaskPrior(NAMES, inner.layout_names, (0, 2), 4, 16, 2)
     prior.inner.load_state_dict(inner.state_dict())
-    seen = Seen("s", "a", "source", ("lift",), {}, 0)
+    seen = Seen("a", ("lift",), {}, 0)
     save_other_task(tmp_path / "variants" / "any_task" / "prior", prior, seen)
     start = start_of("spirl", models, params, 0)
     observation = torch.randn(64, 3)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,8 +12,9 @@ from torch import nn
 from lfr.errors import DataError
 from lfr.mapping.artifacts import load_generator
 from lfr.mapping.generator import Generator
-from lfr.scenarios import Transfer
+from lfr.scenarios import Role, Transfer
 from lfr.skills.artifacts import load_prior, load_vae
+from lfr.skills.library import RoleModels
 from lfr.skills.prior import SkillPrior
 from lfr.skills.vae import SkillVAE
 from lfr.transfer.actor import SkillActor
@@ -42,28 +44,28 @@ class Start:
 
 @dataclass(frozen=True)
 class TrainedModels:
-    """What was trained before RL for one transfer, by its folders; loaded when asked for.
+    """What was trained before RL for one transfer; loaded when asked for.
 
     Attributes:
-        skills: of the skill models, by role.
-        mapping: of G and F.
-        variants: of what the ablations need (`lfr.ablations`); None where nothing of it is there.
+        skills: the arms' skill models.
+        mapping: folder of G and F.
+        variants: folder of what the ablations need (`lfr.ablations`); None where there is none.
     """
 
     transfer: Transfer
-    skills: Path
+    skills: Mapping[Role, RoleModels]
     mapping: Path
     variants: Path | None = None
 
     def source_prior(self) -> SkillPrior:
         """The source's prior of the new task, p_a of Eq. 8 and 9."""
-        return load_prior(self.skills / "source" / f"prior-{self.transfer.task}")
+        return load_prior(self.skills["source"].prior(self.transfer.task))
 
     def source_vae(self) -> SkillVAE:
-        return load_vae(self.skills / "source" / "vae")
+        return load_vae(self.skills["source"].vae())
 
     def target_vae(self) -> SkillVAE:
-        return load_vae(self.skills / "target" / "vae")
+        return load_vae(self.skills["target"].vae())
 
     def generator(self) -> Generator:
         """phi: G into the target's latent space."""
@@ -76,7 +78,7 @@ class TrainedModels:
             DataError: nothing has been trained for the ablations.
         """
         if self.variants is None or not (self.variants / name).is_dir():
-            folder = self.variants or self.skills.parent / "variants"
+            folder = self.variants or self.mapping.parent / "variants"
             raise DataError("no models of this ablation; `make paper` trains them",
                             file=folder / name)  # fmt: skip
         return self.variants / name
