@@ -1,6 +1,5 @@
-# make repro: from demonstrations to results.  make paper: the evidence, hours, resumable.
-# make test: the tests.  Each sets up what it needs: uv in .uv/ if the machine has none, Python 3.12
-# and the locked environment in .venv/.
+# make repro: from demonstrations to results.  make test: the tests.  Each sets up what it needs:
+# uv in .uv/ if the machine has none, Python 3.12 and the locked environment in .venv/.
 
 SHELL := /bin/bash -e
 UV := .uv/bin/uv
@@ -10,14 +9,10 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export UV_PYTHON_INSTALL_DIR := $(CURDIR)/.uv/python
 unexport VIRTUAL_ENV
 
-.PHONY: repro paper test test-slow check bench setup lock
+.PHONY: repro test test-slow check bench setup lock
 
 repro: setup
 	dvc repro
-
-# Every method, reward and seed. Killed and started again, it goes on where it was.
-paper: setup
-	dvc repro paper/dvc.yaml
 
 test: setup
 	pytest

@@ -13,7 +13,7 @@ from torch import Tensor, nn
 
 from lfr.skills.vae import LOG_SIGMA_RANGE
 from lfr.transfer.critic import OBSERVATION_CLIP
-from lfr.transfer.methods.start import Start
+from lfr.transfer.methods.initialization import Initialization
 from lfr.transfer.params import TransferParams
 
 try:
@@ -36,15 +36,17 @@ class Extractor(BaseFeaturesExtractor):
         return self.normalizer(observations).clamp(-OBSERVATION_CLIP, OBSERVATION_CLIP)
 
 
-def soft_actor_critic(start: Start, dimensions: int, params: TransferParams, rows: int) -> SAC:
+def soft_actor_critic(
+    initialization: Initialization, dimensions: int, params: TransferParams, rows: int
+) -> SAC:
     """A SAC whose actor and critics have the run's networks, its replay buffer full of noise."""
 
     class MappedActor(Actor):
         def __init__(self, *args: Any, **kwargs: Any) -> None:
             super().__init__(*args, **kwargs)
             self.mu = self.log_std = nn.Identity()  # type: ignore[assignment]
-            self.latent_pi = start.actor.policy.pi.network
-            self.phi = start.actor.policy.phi
+            self.latent_pi = initialization.actor.policy.pi.network
+            self.phi = initialization.actor.policy.phi
 
         def get_action_dist_params(self, obs: Any) -> tuple[Tensor, Tensor, dict[str, Tensor]]:
             features = self.extract_features(obs, self.features_extractor)
@@ -71,13 +73,13 @@ def soft_actor_critic(start: Start, dimensions: int, params: TransferParams, row
             ).to(self.device)
 
     model = SAC(
-        Policy, Nothing(dimensions, start.latent_dim), learning_rate=params.critic_lr,
+        Policy, Nothing(dimensions, initialization.latent_dim), learning_rate=params.critic_lr,
         buffer_size=rows, batch_size=params.batch, tau=params.tau, gamma=params.gamma, device="cpu",
         policy_kwargs={
             "net_arch": {"pi": [], "qf": list(params.critic_hidden)},
             "n_critics": params.critics,
             "features_extractor_class": Extractor,
-            "features_extractor_kwargs": {"normalizer": start.normalizer},
+            "features_extractor_kwargs": {"normalizer": initialization.normalizer},
         },
     )  # fmt: skip
     model.set_logger(configure(None, []))

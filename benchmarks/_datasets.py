@@ -19,7 +19,7 @@ from lfr.artifacts import read_json, write_json
 from lfr.curation.exact_stats import dataset_stats, episode_stats
 from lfr.data.episode import DONE, FEATURES, REWARD, SUCCESS, features
 from lfr.data.tables import VERSION
-from lfr.sim.layout import STATE_NAMES
+from lfr.spaces import ROBOT_STATE
 from lfr.tasks import task
 
 DATA_PATH = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
@@ -45,12 +45,12 @@ def write_dataset(
     lengths = rng.integers(size.shortest, size.longest + 1, size.episodes)
     rows, ends = int(lengths.sum()), np.cumsum(lengths)
     about = task(task_name)
-    schema = features(STATE_NAMES, about.environment_names)
+    schema = features(ROBOT_STATE.names, about.environment.names)
     columns: dict[str, np.ndarray] = {}
     for f in FEATURES:
         width = len(schema[f.key].names or ())
         columns[f.key] = np.tanh(rng.normal(0, 0.3, (rows, width)).astype(np.float32))
-    columns["observation.state"][:, STATE_NAMES.index("gripper_aperture")] *= 0.01
+    columns["observation.state"][:, ROBOT_STATE.names.index("gripper_aperture")] *= 0.01
     last = np.zeros(rows, bool)
     last[ends - 1] = True
     columns |= {REWARD: columns[REWARD][:, 0], SUCCESS: last, DONE: last}

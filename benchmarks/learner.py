@@ -26,7 +26,7 @@ from lfr.skills.params import SkillsParams
 from lfr.skills.prior import SkillPrior
 from lfr.skills.vae import SkillVAE
 from lfr.transfer.learner import Learner
-from lfr.transfer.methods.start import Start, start_from
+from lfr.transfer.methods.initialization import Initialization, initialize_from
 from lfr.transfer.params import TransferParams
 from lfr.transfer.replay import Batch, Replay
 
@@ -36,8 +36,8 @@ ROUND = 40  # updates timed at a time
 RATIO_GOAL, RATE_GOAL = 2.0, 250.0  # against Stable-Baselines3; updates/s
 
 
-def start(params: TransferParams) -> Start:
-    """A run's start from untrained networks of the default shapes."""
+def untrained(params: TransferParams) -> Initialization:
+    """What a run begins with, from untrained networks of the default shapes."""
     skills = read_section(SkillsParams, "skills")
     mapping = read_section(MappingParams, "mapping")
     latent = skills.vae.latent_dim
@@ -45,12 +45,12 @@ def start(params: TransferParams) -> Start:
     prior = SkillPrior(names, latent, skills.prior.hidden, skills.prior.layers)
     phi = Generator(latent, mapping.hidden, mapping.layers)
     decoder = SkillVAE(skills.vae.horizon, 7, latent, skills.vae.hidden)
-    return start_from(prior, phi, decoder, params, prior)
+    return initialize_from(prior, phi, decoder, params, prior)
 
 
 def ours(params: TransferParams) -> Measurement:
     """Updates per second of the learner, its draws from the replay buffer included."""
-    begun, generator = start(params), torch.Generator().manual_seed(0)
+    begun, generator = untrained(params), torch.Generator().manual_seed(0)
     latent = begun.latent_dim
     replay = Replay(ROWS, OBSERVATION, latent)
     observation, after = torch.randn(2, ROWS, OBSERVATION)
@@ -75,7 +75,7 @@ def theirs(params: TransferParams) -> Measurement:
     """Updates per second of Stable-Baselines3's SAC with the same networks."""
     from benchmarks._baselines import soft_actor_critic
 
-    begun = start(params)
+    begun = untrained(params)
     model = soft_actor_critic(begun, OBSERVATION, params, ROWS)
 
     def measure() -> float:

@@ -17,9 +17,7 @@ from lfr.errors import LfrError
 from lfr.program import run_program
 
 BEGIN, END = "<!-- dag -->", "<!-- /dag -->"
-MAIN, PAPER = "", "paper/dvc.yaml:"  # what DVC writes before the names of a pipeline's stages
-# document -> the pipeline that it shows
-SHOWN_IN = {"README.md": MAIN, "docs/dvc.md": MAIN, "docs/evidence.md": PAPER}
+SHOWN_IN = ("README.md", "docs/dvc.md")
 NODE = re.compile(r'^\s*(node\d+)\["([^"@]+)(?:@[^"]*)?"\]$', re.MULTILINE)
 EDGE = re.compile(r"^\s*(node\d+)-->(node\d+)$", re.MULTILINE)
 
@@ -37,19 +35,14 @@ def dvc_dag(project: Path = Path()) -> str:
     return done.stdout
 
 
-def collapsed(mermaid: str, pipeline: str = MAIN) -> str:
-    """One pipeline of DVC's graph with one box for each stage, as Markdown.
+def collapsed(mermaid: str) -> str:
+    """DVC's graph with one box for each stage, as Markdown.
 
-    The boxes stand in the order of the data: after all that they depend on. What the pipeline takes
-    from another one is shown too.
+    The boxes stand in the order of the data: after all that they depend on.
     """
-    every = dict(NODE.findall(mermaid))
-    arrows = EDGE.findall(mermaid)
-    own = {node for node, name in every.items() if _pipeline(name) == pipeline}
-    shown = own | {a for a, b in arrows if b in own}
-    stage_of = {node: every[node].removeprefix(pipeline) for node in every if node in shown}
+    stage_of = dict(NODE.findall(mermaid))
     counts = Counter(stage_of.values())
-    edges = {(stage_of[a], stage_of[b]) for a, b in arrows if {a, b} <= shown}
+    edges = {(stage_of[a], stage_of[b]) for a, b in EDGE.findall(mermaid)}
     before = {stage: {a for a, b in edges if b == stage != a} for stage in counts}
     order: list[str] = []
     while len(order) < len(before):
@@ -62,11 +55,6 @@ def collapsed(mermaid: str, pipeline: str = MAIN) -> str:
     return "\n".join(["```mermaid", "flowchart LR", *boxes, *lines, "```"])
 
 
-def _pipeline(stage: str) -> str:
-    """What stands before a stage's name: nothing for the project's own dvc.yaml."""
-    return stage[: stage.rfind(":") + 1]
-
-
 def shown(text: str) -> str | None:
     """The picture between a document's markers, None where there are none."""
     found = re.search(f"{BEGIN}\n(.*?)\n{END}", text, re.DOTALL)
@@ -75,9 +63,9 @@ def shown(text: str) -> str | None:
 
 def main(project: Path = Path()) -> None:
     """Put the picture into each document that has its markers."""
-    mermaid = dvc_dag(project)
-    for name, pipeline in SHOWN_IN.items():
-        picture, document = collapsed(mermaid, pipeline), project / name
+    picture = collapsed(dvc_dag(project))
+    for name in SHOWN_IN:
+        document = project / name
         if not document.is_file():
             continue
         text = document.read_text(encoding="utf-8")

@@ -17,9 +17,10 @@ from lfr.artifacts import (
     write_json,
     write_whole,
 )
+from lfr.embodiments import embodiment
 from lfr.errors import ParameterError
 from lfr.jobs import peak_memory
-from lfr.robots import robot as robot_named
+from lfr.params import read_yaml
 from lfr.tasks import task as task_named
 
 # When a stage imports this: a commit that is made while it runs is not what it runs.
@@ -32,7 +33,7 @@ def dataset_name(robot: str, task: str) -> str:
     Raises:
         UnknownNameError: there is no such robot or task.
     """
-    return f"{robot_named(robot).name}-{task_named(task).name}"
+    return f"{embodiment(robot).name}-{task_named(task).name}"
 
 
 def rows_of(datasets: Iterable[Path]) -> list[Path]:
@@ -40,21 +41,27 @@ def rows_of(datasets: Iterable[Path]) -> list[Path]:
     return [path / part for path in datasets for part in ("meta", "data")]
 
 
-def unfinished_work(stage: str, key: str, *parts: object, code: tuple[str, ...]) -> Path:
-    """The folder of this stage's finished jobs and checkpoints, for these inputs and this code.
+def unfinished_work(stage: str, key: str, *parts: object) -> Path:
+    """The folder of this stage's finished jobs and checkpoints, for these inputs and its code.
 
     It outlives the stage, since `dvc repro` may be killed before it has noted that the stage is
     done; what earlier inputs left under the same key is removed here.
 
     Args:
-        parts: all that the work depends on; a Path counts by its content.
-        code: packages whose sources the work depends on.
+        parts: all that the work depends on beside the stage's code; a Path counts by its content.
     """
-    folder = work_folder(f"{stage}/{key}", fingerprint(code_fingerprint(*code), *parts))
+    folder = work_folder(f"{stage}/{key}", fingerprint(code_fingerprint(*code_of(stage)), *parts))
     for other in folder.parent.iterdir():
         if other != folder:
             shutil.rmtree(other)
     return folder
+
+
+def code_of(stage: str) -> tuple[str, ...]:
+    """The rooms of the library that a stage depends on, as dvc.yaml lists them."""
+    deps = read_yaml(Path(__file__).parent.parent / "dvc.yaml")["stages"][stage]["deps"]
+    rooms = (str(dep) for dep in deps if str(dep).startswith("lfr/"))
+    return tuple(room.removesuffix(".py").replace("/", ".") for room in rooms)
 
 
 def write_metrics(stage: str, key: str, metrics: dict[str, Any]) -> None:

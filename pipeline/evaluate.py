@@ -3,20 +3,15 @@
 import sys
 from pathlib import Path
 
-from lfr.evaluation.learned import LearnedFiles
-from lfr.evaluation.params import EvaluateParams
+from lfr.evaluation.protocol import EvaluateParams
 from lfr.evaluation.trials import Trial, success_rates
 from lfr.params import read_section
+from lfr.policies import Pinned
 from lfr.program import run_stage
 from lfr.scenarios import transfer as transfer_named
 from lfr.transfer.methods import method as method_named
+from lfr.transfer.model import LearnedFiles
 from pipeline._stage import SeedParams, unfinished_work, write_metrics
-
-CODE = (
-    "lfr.transfer", "lfr.ablations.other_task", "lfr.mapping", "lfr.skills", "lfr.models",
-    "lfr.sim", "lfr.seeds", "lfr.robots", "lfr.tasks",
-    "lfr.evaluation.learned", "lfr.evaluation.rollouts", "lfr.evaluation.trials",
-)  # fmt: skip
 
 
 def main(transfer: str, method: str) -> None:
@@ -30,7 +25,7 @@ def main(transfer: str, method: str) -> None:
     policies = [models / f"seed-{seed}" for seed in seeds]
 
     def trial(policy: Path, judge: int) -> Trial:
-        files = LearnedFiles.of(policy)
+        files = Pinned.of(LearnedFiles(str(policy)))
         return Trial(files, chosen.target, chosen.task, params.episodes, params.judges[judge])
 
     trials = {}
@@ -39,7 +34,7 @@ def main(transfer: str, method: str) -> None:
         for number, judge in enumerate(params.judges):
             trials[f"{seed}/{judge}"] = trial(policy, number)
     # A trial names its policy by content, so that another seed runs its own trials alone.
-    work = unfinished_work("evaluate", name, code=CODE)
+    work = unfinished_work("evaluate", name)
     found = success_rates(trials, work, f"evaluate {name}")
     runs = [
         {

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from lfr.evaluation.chain import chain_trials, train_and_measure
-from lfr.evaluation.params import EvaluateParams
+from lfr.evaluation.protocol import EvaluateParams
 from lfr.external import ExternalArm, external_arms
 from lfr.mapping.models import mapping_job
 from lfr.mapping.training import MappingParams
@@ -19,12 +19,6 @@ from lfr.skills.library import RoleModels
 from lfr.skills.params import SkillsParams
 from pipeline._skills import skills_of
 from pipeline._stage import SeedParams, models_into, rows_of, unfinished_work, write_metrics
-
-CODE = (
-    "lfr.mapping", "lfr.skills", "lfr.models", "lfr.data", "lfr.external", "lfr.columns",
-    "lfr.sim", "lfr.scenarios", "lfr.seeds", "lfr.robots", "lfr.tasks", "lfr.evaluation.chain",
-    "lfr.evaluation.policies", "lfr.evaluation.rollouts", "lfr.evaluation.trials",
-)  # fmt: skip
 
 
 def main(transfer: str) -> None:
@@ -40,9 +34,7 @@ def main(transfer: str) -> None:
     arms = external_arms(scenario.robots)
     skills = skills_of(scenario, chosen, arms)
     inputs = _inputs(chosen, skills, arms)
-    work = unfinished_work(
-        "mapping", transfer, chosen, params, held_out, seed, arms, *inputs, code=CODE
-    )
+    work = unfinished_work("mapping", transfer, chosen, params, held_out, seed, arms, *inputs)
 
     models = work / "models"
     job = mapping_job(scenario, chosen, params, held_out, seed, skills, models, arms=arms)
@@ -54,7 +46,7 @@ def main(transfer: str) -> None:
     if chain:
         about = {"source": chosen.source, "target": chosen.target, "task": chosen.task}
         names = {role: models.name for role, models in skills.items()}
-        write_metrics("chain", transfer, {**about, "skills": names, "links": chain})
+        write_metrics("chain", transfer, {**about, "skills": names, "zero_shot": chain})
     models_into(Path("models/mapping") / transfer, models)
     write_metrics("mapping", transfer, report)
 

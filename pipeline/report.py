@@ -5,10 +5,11 @@ from pathlib import Path
 
 from lfr.artifacts import write_json, write_whole
 from lfr.errors import ParameterError
-from lfr.evaluation import figures, tables
+from lfr.evaluation import figures
+from lfr.evaluation import results_tables as tables
 from lfr.evaluation.readme import results_block, update_readme
 from lfr.evaluation.records import RESULTS, chain_records, read_runs, transfer_records
-from lfr.evaluation.report import report
+from lfr.evaluation.results_page import report
 from lfr.external import external
 from lfr.params import PARAMS, read_names
 from lfr.program import run_stage

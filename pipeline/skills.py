@@ -5,12 +5,12 @@ import sys
 from pathlib import Path
 
 from lfr.artifacts import write_whole
+from lfr.embodiments import embodiment
 from lfr.evaluation.own_arm import train_and_measure
-from lfr.evaluation.params import EvaluateParams
+from lfr.evaluation.protocol import EvaluateParams
 from lfr.external import external, external_arms
 from lfr.params import read_names, read_section
 from lfr.program import run_stage
-from lfr.robots import robot as robot_named
 from lfr.scenarios import scenario as scenario_named
 from lfr.scenarios import transfer as transfer_named
 from lfr.skills.compatible import check_arms
@@ -21,12 +21,6 @@ from lfr.skills.params import SkillsParams
 from pipeline._skills import skills_root
 from pipeline._stage import SeedParams, rows_of, unfinished_work, write_metrics
 
-CODE = (
-    "lfr.skills", "lfr.models", "lfr.data", "lfr.external", "lfr.columns", "lfr.sim",
-    "lfr.scenarios", "lfr.seeds", "lfr.robots", "lfr.tasks", "lfr.evaluation.own_arm",
-    "lfr.evaluation.policies", "lfr.evaluation.rollouts", "lfr.evaluation.trials",
-)  # fmt: skip
-
 
 def main(robot: str) -> None:
     """Train the skill models of a robot that the transfers of params.yaml need.
@@ -36,7 +30,7 @@ def main(robot: str) -> None:
     """
     arm = external_arms([robot]).get(robot)
     if arm is None:
-        robot_named(robot)
+        embodiment(robot)
     params = read_section(SkillsParams, "skills")
     seed = read_section(SeedParams, "seeds").models
     transfers = [transfer_named(name) for name in (*read_names("transfers"), *external().transfers)]
@@ -48,7 +42,7 @@ def main(robot: str) -> None:
     datasets = {dataset_of(robot, task, arm=arm) for tasks in needed for task in tasks}
     # Not `needed` itself: another transfer trains what it needs beyond the others.
     inputs = rows_of(sorted(datasets))
-    work = unfinished_work("skills", robot, params, seed, arm, *inputs, code=CODE)
+    work = unfinished_work("skills", robot, params, seed, arm, *inputs)
 
     jobs = model_jobs(robot, needed, params, seed, work / "models", arm=arm)
     episodes = 0 if arm else read_section(EvaluateParams, "evaluate").episodes

@@ -19,15 +19,12 @@ from pipeline._runs import RunJob, learn
 from pipeline._skills import skills_of
 from pipeline._stage import SeedParams, unfinished_work, write_metrics
 
-CODE = (
-    "lfr.transfer", "lfr.ablations.other_task", "lfr.mapping.artifacts", "lfr.mapping.generator",
-    "lfr.models", "lfr.skills.artifacts", "lfr.skills.gaussian", "lfr.skills.prior",
-    "lfr.skills.vae", "lfr.sim", "lfr.seeds", "lfr.robots", "lfr.tasks",
-)  # fmt: skip
-
 
 def main(transfer: str, method: str) -> None:
-    """Train models/transfer/<transfer>-<method>/seed-<n>, one run for each of seeds.transfer."""
+    """Train models/transfer/<transfer>-<method>/seed-<n>, one run for each of seeds.transfer.
+
+    The course of each run goes to models/learning/<transfer>-<method>/seed-<n>.
+    """
     chosen = transfer_named(transfer)
     method_named(method)
     params = read_section(TransferParams, "transfer")
@@ -36,7 +33,7 @@ def main(transfer: str, method: str) -> None:
     skills = skills_of(scenario_named(chosen.scenario), chosen)
     source, target, mapping = skills["source"], skills["target"], Path("models/mapping") / transfer
     models = source.vae(), source.prior(chosen.task), target.vae(), mapping
-    work = unfinished_work("transfer", name, chosen, params, *models, code=CODE)
+    work = unfinished_work("transfer", name, chosen, params, *models)
 
     folders = {seed: work / f"seed-{seed}" for seed in seeds}
     jobs = [
@@ -48,7 +45,11 @@ def main(transfer: str, method: str) -> None:
 
     with write_whole(Path("models/transfer") / name) as partial:
         for seed, folder in folders.items():
-            _gather(folder, partial / f"seed-{seed}")
+            shutil.copytree(folder / "policy", partial / f"seed-{seed}")
+            shutil.copytree(folder / "initial", partial / f"seed-{seed}" / "initial")
+    with write_whole(Path("models/learning") / name) as partial:
+        for seed, folder in folders.items():
+            shutil.copytree(folder / "learning", partial / f"seed-{seed}")
     _write_curves(Path("results/transfer") / f"{name}.csv", runs)
     seen = load_seen(source.vae()), load_seen(target.vae())
     about = {
@@ -64,14 +65,6 @@ def main(transfer: str, method: str) -> None:
     write_metrics("transfer", name, about)
     for folder in folders.values():  # the replay buffers: large, and of no more use
         shutil.rmtree(folder / "checkpoints", ignore_errors=True)
-
-
-def _gather(folder: Path, final: Path) -> None:
-    """The final policy, beside it the one before any RL and the recordings to look at."""
-    shutil.copytree(folder / "policy", final)
-    shutil.copytree(folder / "initial", final / "initial")
-    for recording in sorted(folder.glob("*.rrd")):
-        shutil.copyfile(recording, final / recording.name)
 
 
 def _write_curves(path: Path, runs: list[dict[str, Any]]) -> None:

@@ -14,9 +14,8 @@ import pytest
 
 from lfr import cli
 from lfr.data.episode import FEATURES, IMAGES
-from lfr.evaluation.evidence.readme import evidence_block, shown_evidence
 from lfr.evaluation.readme import results_block, shown_block
-from lfr.evaluation.records import LINKS
+from lfr.evaluation.records import CHAIN
 from lfr.scenarios import transfers
 from lfr.tasks import TASKS
 
@@ -27,9 +26,13 @@ DOCUMENTS = [
 ]
 FENCE = re.compile(r"^( *)```.*?^\1```$", re.DOTALL | re.MULTILINE)
 LINK = re.compile(r"\]\(([^)\s]+)\)")
-NAME = re.compile(r"`((?:lfr|pipeline)\.[a-z]\w*(?:\.\w+)*)`")  # lfr.Action is a message's schema
+NAME = re.compile(
+    r"`((?:lfr|pipeline|studies)\.[a-z]\w*(?:\.\w+)*)`"
+)  # lfr.Action is a message's schema
 PARAMETER = re.compile(r"`((?:record|pack|skills|mapping|transfer|evaluate|seeds)(?:\.\w+)+)`")
-FILE = re.compile(r"(?<![\w/])(?:lfr|pipeline|tests|benchmarks|docs)/[\w/]+\.(?:py|json|rbl|md)")
+FILE = re.compile(
+    r"(?<![\w/])(?:lfr|pipeline|studies|tests|benchmarks|docs)/[\w/]+\.(?:py|json|rbl|md)"
+)
 PAGES = {
     "browse.md": ("view",),
     "bring-a-dataset.md": ("import",),
@@ -107,7 +110,7 @@ def test_a_name_that_is_not_there_is_noticed() -> None:
 @documents
 def test_every_parameter_is_one_of_its_stage(document: Path) -> None:
     from lfr.demos.recorder import RecordParams
-    from lfr.evaluation.params import EvaluateParams
+    from lfr.evaluation.protocol import EvaluateParams
     from lfr.mapping.training import MappingParams
     from lfr.skills.params import SkillsParams
     from lfr.transfer.params import TransferParams
@@ -136,7 +139,7 @@ def test_commands_name_what_there_is(document: Path) -> None:
     for line in lines_to_run(text):
         if line.startswith("make "):
             assert line.split()[1] in targets
-    for module in re.findall(r"python -m ((?:lfr|pipeline|benchmarks)\.[\w.]*\w)", text):
+    for module in re.findall(r"python -m ((?:lfr|pipeline|studies|benchmarks)\.[\w.]*\w)", text):
         assert (ROOT / module.replace(".", "/")).with_suffix(".py").is_file(), module
     for path in FILE.findall(text):
         assert (ROOT / path).is_file(), path
@@ -197,12 +200,6 @@ def test_readme_shows_what_the_results_hold() -> None:
     )
 
 
-def test_the_readme_shows_the_evidence_as_it_is() -> None:
-    assert shown_evidence(ROOT / "README.md") == evidence_block(ROOT / "results"), (
-        "run `python -m pipeline.paper.report`"
-    )
-
-
 def test_readme_names_every_transfer() -> None:
     text = (ROOT / "README.md").read_text()
     assert [name for name in transfers(ROOT / "params.yaml") if f"`{name}`" not in text] == []
@@ -210,7 +207,7 @@ def test_readme_names_every_transfer() -> None:
 
 def test_data_names_every_feature_topic_and_group() -> None:
     from lfr.data import messages
-    from lfr.sim.layout import STATE_NAMES
+    from lfr.spaces import ROBOT_STATE
 
     text = (ROOT / "docs" / "data.md").read_text()
     topics = [
@@ -218,7 +215,7 @@ def test_data_names_every_feature_topic_and_group() -> None:
         if name.isupper() and isinstance(value, str) and value.startswith("/")
     ]  # fmt: skip
     groups = {group for task in TASKS.values() for group, _ in task.environment}
-    state = {name.split(".")[0] for name in STATE_NAMES}
+    state = {name.split(".")[0] for name in ROBOT_STATE.names}
     needed = {*(f.key for f in FEATURES), IMAGES, *topics, *groups, *state, *TASKS}
     assert len(topics) > 5
     assert sorted(name for name in needed if name not in text) == []
@@ -226,7 +223,7 @@ def test_data_names_every_feature_topic_and_group() -> None:
 
 def test_method_names_every_link_of_the_chain() -> None:
     text = (ROOT / "docs" / "method.md").read_text()
-    assert [link for link in LINKS if f"`{link}`" not in text] == []
+    assert [link for link in CHAIN if f"`{link}`" not in text] == []
 
 
 def test_trust_names_every_kind_of_finding() -> None:

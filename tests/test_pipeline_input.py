@@ -11,7 +11,7 @@ from typing import Any, get_type_hints
 import pytest
 
 from lfr.demos.recorder import RecordParams
-from lfr.evaluation.params import EvaluateParams
+from lfr.evaluation.protocol import EvaluateParams
 from lfr.mapping.training import MappingParams
 from lfr.params import read_section, read_yaml
 from lfr.program import run_stage
@@ -38,6 +38,7 @@ KEYS = {
     "skills": ROBOT,
     "mapping": TRANSFER,
     "transfer": [*TRANSFER, *METHOD],
+    "recordings": [*TRANSFER, *METHOD],
     "evaluate": [*TRANSFER, *METHOD],
     "report": [],
 }
@@ -81,14 +82,14 @@ def test_unknown_robot_or_task(
     assert message in refused(stage, arguments, folder, capsys)
 
 
-@pytest.mark.parametrize("stage", ["mapping", "transfer", "evaluate"])
+@pytest.mark.parametrize("stage", ["mapping", "transfer", "recordings", "evaluate"])
 def test_unknown_transfer(stage: str, folder: Path, capsys: Any) -> None:
     arguments = ["--transfer", "s1-panda-fly", *KEYS[stage][2:]]
     expected = "unknown transfer 's1-panda-fly'; valid: s1-panda-lift, s1-sawyer-stack"
     assert expected in refused(stage, arguments, folder, capsys)
 
 
-@pytest.mark.parametrize("stage", ["transfer", "evaluate"])
+@pytest.mark.parametrize("stage", ["transfer", "recordings", "evaluate"])
 def test_unknown_method(stage: str, folder: Path, capsys: Any) -> None:
     arguments = [*TRANSFER, "--method", "ppo"]
     assert "unknown method 'ppo'; valid: lfr" in refused(stage, arguments, folder, capsys)
@@ -115,6 +116,7 @@ def test_unknown_parameter(stage: str, folder: Path, capsys: Any) -> None:
         ("skills", "missing: data/lerobot/panda-"),
         ("mapping", "missing: models/skills/sawyer/lift+nut_assembly+pick_place/vae"),
         ("transfer", "missing: models/skills/sawyer/lift+nut_assembly+pick_place/vae"),
+        ("recordings", "missing: models/learning/s1-panda-lift-lfr/seed-0/curve.csv"),
         ("evaluate", "missing: models/transfer/s1-panda-lift-lfr/seed-0"),
         ("report", "missing: results/transfer/s1-panda-lift-lfr.json"),
     ],

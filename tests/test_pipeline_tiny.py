@@ -1,4 +1,4 @@
-"""All seven stages end to end at a tiny size; through DVC; killed in the middle and resumed."""
+"""All stages end to end at a tiny size; through DVC; killed in the middle and resumed."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 
 from lfr.artifacts import read_json
 from lfr.data.log_reader import list_logs, read_log
-from lfr.evaluation.records import LINKS
+from lfr.evaluation.records import CHAIN
 from lfr.mapping.artifacts import load_mapping_seen
 from lfr.params import read_yaml
 from lfr.skills.artifacts import load_seen
@@ -54,8 +54,8 @@ def test_the_record_of_the_run(project: Path) -> None:
     assert list(record["other_judges"]) == ["robosuite"]
     assert record["reward"] == "sparse"
     chain = read_json(project / "results/chain.json")[TRANSFER]
-    assert tuple(chain["links"]) == LINKS
-    assert all(link["episodes"] == 4 for link in chain["links"].values())
+    assert tuple(chain["zero_shot"]) == CHAIN
+    assert all(link["episodes"] == 4 for link in chain["zero_shot"].values())
 
 
 def test_no_model_but_the_oracle_has_seen_the_targets_new_task(project: Path) -> None:
@@ -103,13 +103,27 @@ def test_what_a_model_says_it_has_seen_is_what_is_there(project: Path) -> None:
 
 def test_a_run_can_be_looked_at(project: Path) -> None:
     folder = project / "models/transfer" / RUN / "seed-0"
-    names = {path.name for path in folder.iterdir()}
-    assert {"config.json", "model.safetensors", "initial", "learning.rrd"} <= names
-    assert sum(name.startswith("episode-") for name in names) >= 2
+    assert {path.name for path in folder.iterdir()} == {
+        "config.json", "model.safetensors", "initial",
+    }  # fmt: skip
+    learning = project / "models/learning" / RUN / "seed-0"
+    policies = sorted(path.name for path in learning.glob("policy-*"))
+    assert {path.name for path in learning.iterdir()} == {"curve.csv", "updates.csv", *policies}
+    assert policies[0] == "policy-000000"
+    assert len(policies) == 3
+    for name, other in ((policies[0], folder / "initial"), (policies[-1], folder)):
+        tensors = (learning / name / "model.safetensors").read_bytes()
+        assert tensors == (other / "model.safetensors").read_bytes()
     header, *rows = (project / "results/transfer" / f"{RUN}.csv").read_text().splitlines()
     assert header.startswith("seed,env_steps,")
     assert rows[0].startswith("0,0,")
     assert len(rows) >= 3
+    ours = (learning / "curve.csv").read_text().splitlines()
+    assert [f"seed,{ours[0]}", *(f"0,{row}" for row in ours[1:])] == [header, *rows]
+    recordings = project / "recordings" / RUN / "seed-0"
+    assert {path.name for path in recordings.iterdir()} == {
+        "learning.rrd", *(f"{name.replace('policy', 'episode')}.rrd" for name in policies),
+    }  # fmt: skip
 
 
 @pytest.mark.slow
@@ -169,8 +183,9 @@ def _assert_same(one: Path, other: Path) -> None:
             assert found == expected, file.name
     for name in (f"results/transfer/{RUN}.csv", "results/chain.json", "results/table.md"):
         assert (other / name).read_bytes() == (one / name).read_bytes()
-    for file in sorted((one / "models").rglob("model.safetensors")):
-        assert (other / file.relative_to(one)).read_bytes() == file.read_bytes()
+    for pattern in ("model.safetensors", "*.csv"):
+        for file in sorted((one / "models").rglob(pattern)):
+            assert (other / file.relative_to(one)).read_bytes() == file.read_bytes()
     for log in list_logs(one / "data/logs/panda-lift"):
         first, second = read_log(log), read_log(other / log.relative_to(one))
         assert np.array_equal(first.simulator_state, second.simulator_state)

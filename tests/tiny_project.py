@@ -61,6 +61,7 @@ def run_stages(folder: Path) -> Path:
             _stage("mapping", "--transfer", transfer)
             for method in params["methods"]:
                 _stage("transfer", "--transfer", transfer, "--method", method)
+                _stage("recordings", "--transfer", transfer, "--method", method)
                 _stage("evaluate", "--transfer", transfer, "--method", method)
         _stage("report")
     return folder

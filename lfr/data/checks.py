@@ -39,7 +39,7 @@ def check_dataset(
     files = DatasetFiles.open(Path(path))
     info = files.path / "meta" / "info.json"
     _require("another fps", info, files.info.get("fps"), fps)
-    _require("another robot", info, files.info.get("robot_type"), robot)
+    _require("another robot or controller", info, files.info.get("robot_type"), robot)
     needed = features if features is not None else {f.key: f for f in FEATURES}
     for key, feature in needed.items():
         _check_schema(files, info, key, feature)

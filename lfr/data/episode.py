@@ -8,7 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from lfr.robots import ACTION_NAMES
+from lfr.embodiments import Embodiment
+from lfr.spaces import ROBOT_STATE
+from lfr.tasks import Task
 
 FPS = 20  # control steps per second; a frame is a control step
 STATE = "observation.state"
@@ -19,8 +21,6 @@ REWARD = "next.reward"
 SUCCESS = "next.success"
 DONE = "next.done"
 IMAGES = "observation.images."  # + camera name
-
-JOINT_NAMES = tuple(f"joint_{i}" for i in range(7))
 
 
 @dataclass(frozen=True)
@@ -60,9 +60,8 @@ FEATURES: tuple[Feature, ...] = (
     Feature(
         ACTION,
         "float32",
-        ACTION_NAMES,
-        "end effector delta in [-1, 1], in the base frame: translation x 0.05 m, axis-angle "
-        "rotation x 0.5 rad, gripper (+1 closes)",
+        None,
+        "what the controller was asked for, in [-1, 1]",
     ),
     Feature(REWARD, "float32", ("reward",), "robosuite's dense reward after the action"),
     Feature(SUCCESS, "bool", ("success",), "robosuite's success check after the action"),
@@ -71,44 +70,79 @@ FEATURES: tuple[Feature, ...] = (
 
 
 def features(
-    state_names: Sequence[str],
-    environment_names: Sequence[str],
-    joint_names: Sequence[str] = JOINT_NAMES,
+    state: Sequence[str],
+    environment: Sequence[str],
+    joints: Sequence[str],
+    action: Sequence[str],
+    action_about: str = "",
 ) -> dict[str, Feature]:
-    """FEATURES with every dimension named, by key, in the order of a dataset's columns."""
-    given = {
-        STATE: state_names,
-        ENVIRONMENT_STATE: environment_names,
-        JOINT_POSITION: joint_names,
-    }
+    """FEATURES with every dimension named, by key, in the order of a dataset's columns.
+
+    Args:
+        action_about: what the action is, in words, where the controller is known.
+    """
+    given = {STATE: state, ENVIRONMENT_STATE: environment, JOINT_POSITION: joints, ACTION: action}
+    about = {ACTION: action_about} if action_about else {}
     return {
-        f.key: Feature(f.key, f.dtype, tuple(given.get(f.key, f.names or ())), f.about)
+        f.key: Feature(
+            f.key, f.dtype, tuple(given.get(f.key, f.names or ())), about.get(f.key, f.about)
+        )
         for f in FEATURES
     }
+
+
+def features_of(body: Embodiment, task: Task) -> dict[str, Feature]:
+    """What is recorded of an embodiment in a task."""
+    names = ROBOT_STATE.names, task.environment.names, body.robot.joints, body.action.names
+    return features(*names, body.controller.about(body.robot))
 
 
 @dataclass(frozen=True)
 class EpisodeInfo:
     """What is known of an episode before its first frame, and kept with it.
 
-    `attempt` counts the tries of this seed or worker (failed ones are not kept), `controller`
-    names the controller and its settings, `extra` is for whatever else the recorder knows.
+    Attributes:
+        robot: name of the embodiment: the arm, and what of it is not the default.
+        task, seed: what was tried, from which start.
+        instruction: the task in words.
+        features: what is recorded, by key.
+        attempt: counts the tries of this seed or worker; failed ones are not kept.
+        controller: robosuite's name of the controller.
+        extra: whatever else the recorder knows.
     """
 
     robot: str
     task: str
     seed: int
     instruction: str
-    state_names: tuple[str, ...]
-    environment_names: tuple[str, ...]
-    joint_names: tuple[str, ...] = JOINT_NAMES
+    features: Mapping[str, Feature]
     attempt: int = 0
-    controller: str = "OSC_POSE"
+    controller: str = ""
     extra: Mapping[str, str] = field(default_factory=dict)
 
+    @classmethod
+    def of(
+        cls, body: Embodiment, task: Task, seed: int, extra: Mapping[str, str] | None = None
+    ) -> EpisodeInfo:
+        """What is known of an episode of an embodiment in a task that are simulated here."""
+        return cls(
+            robot=body.name,
+            task=task.name,
+            seed=seed,
+            instruction=task.instruction,
+            features=features_of(body, task),
+            controller=body.controller.stock_name,
+            extra=extra or {},
+        )
+
     @property
-    def features(self) -> dict[str, Feature]:
-        return features(self.state_names, self.environment_names, self.joint_names)
+    def observation_names(self) -> tuple[str, ...]:
+        """Of observation.state, then of observation.environment_state."""
+        return (*self.names(STATE), *self.names(ENVIRONMENT_STATE))
+
+    def names(self, key: str) -> tuple[str, ...]:
+        """Of a feature's dimensions."""
+        return self.features[key].names or ()
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from the clock: the same episode recorded again by the same revision is the same
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 from types import TracebackType
@@ -29,7 +29,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lfr.artifacts import provenance
 from lfr.data import messages
-from lfr.data.episode import ACTION_NAMES, FPS, EpisodeInfo
+from lfr.data.episode import ACTION, FPS, JOINT_POSITION, EpisodeInfo
 from lfr.data.mcap_writer import McapWriter
 from lfr.data.messages import CameraModel, Pose
 
@@ -82,11 +82,11 @@ class EpisodeLog:
         self._start = EPOCH_NS + info.seed * SEED_NS
         self._frames, self._success = 0, False
         self._file = McapWriter(path)
-        names = (*info.state_names, *info.environment_names)
+        action = messages.record("Action", info.names(ACTION))
         self._schemas = {
-            messages.OBSERVATION: messages.record("Observation", names),
-            messages.ACTION: messages.record("Action", ACTION_NAMES),
-            messages.EXECUTED_ACTION: messages.record("Action", ACTION_NAMES),
+            messages.OBSERVATION: messages.record("Observation", info.observation_names),
+            messages.ACTION: action,
+            messages.EXECUTED_ACTION: action,
             messages.REWARD: messages.record("Reward", ("reward",)),
             messages.SUCCESS: messages.record("Success", ("success",)),
             messages.SIMULATOR_STATE: messages.vector("SimulatorState"),
@@ -110,7 +110,7 @@ class EpisodeLog:
         self._log_record(messages.SUCCESS, [frame.success], now)
         self._log_record(messages.SIMULATOR_STATE, frame.simulator_state, now)
         joints = messages.joint_states(
-            self._info.joint_names, frame.joint_position, frame.joint_velocity, now
+            self._info.names(JOINT_POSITION), frame.joint_position, frame.joint_velocity, now
         )
         self._file.log(messages.JOINT_STATES, joints, now)
         self._log_transforms(frame.body_poses, now)
@@ -169,9 +169,8 @@ class EpisodeLog:
         return self._start + self._frames * (10**9 // FPS)
 
     def _write_metadata(self) -> None:
-        info = asdict(self._info)
-        named = {key: info[key] for key in ("robot", "task", "seed", "instruction", "attempt")}
-        named |= {"controller": info["controller"], "fps": FPS, **info["extra"]}
+        info, keys = self._info, ("robot", "task", "seed", "instruction", "attempt", "controller")
+        named = {**{key: getattr(info, key) for key in keys}, "fps": FPS, **info.extra}
         schema = {
             key: {"dtype": f.dtype, "shape": f.shape, "names": f.names, "about": f.about}
             for key, f in self._info.features.items()

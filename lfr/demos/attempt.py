@@ -23,8 +23,8 @@ class DriftParams:
     """
 
     steps: int = 24  # at most; the number is drawn uniformly for each attempt
-    speed: float = 0.6  # bound on each component of the drift's direction, as an action
-    turn: float = 0.3  # bound on the drift's rotation about each axis, as an action
+    speed: float = 0.6  # bound on each component of the drift's direction, as a hand motion
+    turn: float = 0.3  # bound on the drift's rotation about each axis, as a hand motion
 
 
 @dataclass(frozen=True)
@@ -42,11 +42,11 @@ class Moment:
 
     Attributes:
         observation: (D,), before the action.
-        action: (7,), the expert's clean action, which a learner should imitate.
-        executed: (7,), the noisy action that the arm was given, which a replay needs.
+        action: (A,), the expert's clean action, which a learner should imitate.
+        executed: (A,), the noisy action that the arm was given, which a replay needs.
         reward: robosuite's dense reward after it.
         success: robosuite's success check after it.
-        joint_position: (7,) rad, before the action.
+        joint_position: (N,) rad, before the action.
         simulator_state: (S,), before the action.
     """
 
@@ -68,12 +68,13 @@ def attempt(simulation: Simulation, params: AttemptParams, seed: int) -> Iterato
     rng = np.random.default_rng([seed, 1])  # the placement has the seed's own stream
     observation = simulation.reset(seed)
     observation = _drift(simulation, observation, params.drift, rng)
-    expert = Expert(simulation.task.name, simulation.layout, params.expert)
+    expert = Expert(simulation.task, simulation.layout, params.expert)
     remaining = simulation.horizon
     while remaining > 0:
         joints, state = simulation.joint_position(), simulation.state()
-        clean = expert.clean(observation)
-        executed = expert.execute(clean, rng)
+        wanted = expert.clean(observation)
+        done = expert.execute(wanted, rng)
+        clean, executed = (_action(simulation, motion) for motion in (wanted, done))
         steps = simulation.step(executed[None])
         if steps.diverged:
             return
@@ -97,5 +98,13 @@ def _drift(
     move[2] = drift.speed * rng.uniform(-0.4, 1.0)
     turn = drift.turn * rng.uniform(-1.0, 1.0, 3)
     gripper = rng.choice([-1.0, 1.0])  # an empty hand that is closed must be opened again
-    action = np.concatenate([move, turn, [gripper]])
-    return simulation.step(np.tile(action, (count, 1))).observations[-1]
+    motion = np.concatenate([move, turn, [gripper]])
+    for _ in range(count):
+        observation = simulation.step(_action(simulation, motion)[None]).observations[-1]
+    return observation
+
+
+def _action(simulation: Simulation, motion: np.ndarray) -> np.ndarray:
+    """The controller's action (A,) for a hand motion and a gripper action (7,)."""
+    move = simulation.embodiment.controller.action_of(motion[:-1], simulation.configuration())
+    return np.append(move, motion[-1])

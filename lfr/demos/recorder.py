@@ -133,17 +133,8 @@ def record_attempt(job: AttemptJob) -> dict[str, Any]:
 
     running, shown = simulation(job.robot, job.task), _shown(job.robot, job.task)
     camera = _camera(job.robot, job.task, job.camera) if job.camera else None
-    task, layout = running.task, running.layout
-    info = EpisodeInfo(
-        robot=job.robot,
-        task=job.task,
-        seed=job.seed,
-        instruction=task.instruction,
-        state_names=layout.state_names,
-        environment_names=layout.environment_names,
-        joint_names=running.robot.joints,
-        extra={"expert": str(as_json(job.attempt))},
-    )
+    extra = {"expert": str(as_json(job.attempt))}
+    info = EpisodeInfo.of(running.embodiment, running.task, job.seed, extra)
     cameras = {}
     if camera:
         cameras[camera.name] = CameraModel(camera.width, camera.height, *camera.projection())

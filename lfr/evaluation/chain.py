@@ -16,33 +16,16 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from lfr.evaluation.policies import SkillFiles
 from lfr.evaluation.trials import Trial, success_rate, trial_jobs
 from lfr.jobs import Job, run_jobs
-from lfr.mapping.artifacts import load_generator
 from lfr.mapping.models import MappingJob, fit_mapping
+from lfr.mapping.policy import MappedFiles
 from lfr.scenarios import Role, Transfer
-from lfr.skills.artifacts import load_prior, load_vae
 from lfr.skills.library import RoleModels
-from lfr.skills.policy import SkillPolicy
-
-
-@dataclass(frozen=True)
-class MappedFiles:
-    """The folders of a skill prior, of G that translates it, and of the skill VAE that acts."""
-
-    prior: str
-    generator: str
-    decoder: str
-
-    def load(self) -> SkillPolicy:
-        """Raises DataError where a folder holds no such model, or a damaged one."""
-        translate = load_generator(Path(self.generator))
-        return SkillPolicy(load_prior(Path(self.prior)), translate, load_vae(Path(self.decoder)))
+from lfr.skills.policy import SkillFiles
 
 
 def chain_trials(
@@ -60,12 +43,12 @@ def chain_trials(
     """
     task, source = transfer.task, skills["source"]
     prior, vae, target_vae = map(str, (source.prior(task), source.vae(), skills["target"].vae()))
-    links = {
+    policies = {
         "identity": SkillFiles(prior, vae),
         "recoded": SkillFiles(prior, target_vae, encoder=vae),
         "mapped": MappedFiles(prior, str(mapping / "g"), target_vae),
     }
-    return {name: Trial(files, transfer.target, task, episodes) for name, files in links.items()}
+    return {name: Trial(files, transfer.target, task, episodes) for name, files in policies.items()}
 
 
 def train_and_measure(

@@ -6,10 +6,10 @@ import itertools
 from pathlib import Path
 from typing import Any
 
-from lfr.evaluation.policies import SkillFiles
 from lfr.evaluation.trials import Trial, success_rate, trial_jobs
 from lfr.jobs import run_jobs
 from lfr.skills.models import ModelJobs, PriorTraining, model_report
+from lfr.skills.policy import SkillFiles
 
 
 def train_and_measure(

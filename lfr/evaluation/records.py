@@ -11,7 +11,7 @@ from lfr.artifacts import read_json
 from lfr.errors import DataError
 
 RESULTS = Path("results")
-LINKS = ("own_arm", "identity", "recoded", "mapped", "oracle")  # `lfr.evaluation.chain`
+CHAIN = ("own_arm", "identity", "recoded", "mapped", "oracle")  # `lfr.evaluation.chain`
 STAGES = ("record", "pack", "skills", "mapping", "transfer", "evaluate")
 Record = dict[str, Any]
 
@@ -116,13 +116,13 @@ def chain_records(transfers: Sequence[str], results: Path = RESULTS) -> dict[str
     records = {}
     for transfer in transfers:
         found = read_json(results / "chain" / f"{transfer}.json")
-        links = dict(found["links"])
+        zero_shot = dict(found["zero_shot"])
         for link, role in (("own_arm", "source"), ("oracle", "oracle")):
             robot, _, tasks = found["skills"][role].partition("/")
             models = read_json(results / "skills" / f"{robot}.json")["models"]
-            links[link] = models[tasks]["prior"][found["task"]]["own_arm"]
+            zero_shot[link] = models[tasks]["prior"][found["task"]]["own_arm"]
         about = {key: found[key] for key in ("source", "target", "task")}
-        records[transfer] = {**about, "links": {link: links[link] for link in LINKS}}
+        records[transfer] = {**about, "zero_shot": {link: zero_shot[link] for link in CHAIN}}
     return records
 
 

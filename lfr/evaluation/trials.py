@@ -7,31 +7,25 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import Any, Literal, Protocol
+from typing import Any, Literal
 
 import numpy as np
 
 from lfr.errors import UnknownNameError
-from lfr.evaluation.rollouts import Judge, Outcome, Policy, roll_out
-from lfr.evaluation.statistics import success_of
+from lfr.evaluation.success_rate import success_of
 from lfr.jobs import Job, run_jobs
+from lfr.policies import Outcome, PolicySource, Simulated, roll_out
 from lfr.seeds import episode_seed
 
 JudgeName = Literal["engine", "robosuite"]
 SHARD = 25  # episodes of a job: seconds of work, so that a kill costs little
 
 
-class PolicyFiles(Protocol):
-    """A frozen dataclass of the folders of a policy; it names the policy in a job."""
-
-    def load(self) -> Policy: ...
-
-
 @dataclass(frozen=True)
 class Trial:
     """A policy on one arm and task, over the held-out starts ``first`` to ``first + episodes``."""
 
-    policy: PolicyFiles
+    policy: PolicySource
     robot: str
     task: str
     episodes: int
@@ -80,11 +74,16 @@ def run_trial(trial: Trial) -> list[Outcome]:
     """Run a trial's episodes one after the other, in this process."""
     end = trial.first + trial.episodes
     seeds = [episode_seed("held-out", index) for index in range(trial.first, end)]
-    return roll_out(trial.policy.load(), _judge(trial.judge, trial.robot, trial.task), seeds)
+    return roll_out(trial.policy.load(), judge_named(trial.judge, trial.robot, trial.task), seeds)
 
 
 @cache
-def _judge(name: JudgeName, robot: str, task: str) -> Judge:
+def judge_named(name: JudgeName, robot: str, task: str) -> Simulated:
+    """The simulation that judges: the engine, or stock robosuite; kept for the next trial.
+
+    Raises:
+        UnknownNameError: there is no such judge.
+    """
     if name == "engine":
         from lfr.sim.simulation import simulation
 

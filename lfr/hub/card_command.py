@@ -58,7 +58,7 @@ def run(arguments: argparse.Namespace) -> int:
 def everything(datasets: Path, models: Path) -> list[Path]:
     """All datasets and all folders of models that the main job has made.
 
-    The evidence's models, beside them, are many, and described by its report.
+    The models of studies, beside them, are many, and described by their reports.
     """
     from lfr.hub.model_facts import STAGES
 

@@ -164,7 +164,7 @@ def _skill_results(noted: dict[str, Any]) -> str:
 
 
 def _mapping_results(chain: dict[str, Any]) -> str:
-    rows = [(link, _rate(tally)) for link, tally in chain["links"].items()]
+    rows = [(link, _rate(tally)) for link, tally in chain["zero_shot"].items()]
     return (
         f"Zero-shot success of {chain['target']} at {chain['task']}, on held-out starts, link by "
         f"link; `mapped` is what these generators give.\n\n{table(('link', 'success'), rows)}"

@@ -16,7 +16,7 @@ from lerobot.utils.constants import ACTION, OBS_ENV_STATE, OBS_STATE
 
 from lfr.errors import ParameterError
 from lfr.robots import ACTION_NAMES
-from lfr.sim.layout import ObservationLayout
+from lfr.spaces import ROBOT_STATE
 from lfr.tasks import task
 
 
@@ -82,9 +82,9 @@ def features_of(task_name: str) -> tuple[dict[str, PolicyFeature], dict[str, Pol
     Raises:
         UnknownNameError: there is no such task.
     """
-    layout = ObservationLayout.of(task(task_name))
+    layout = task(task_name).observation
     given = {
-        OBS_STATE: PolicyFeature(FeatureType.STATE, (len(layout.state_names),)),
-        OBS_ENV_STATE: PolicyFeature(FeatureType.ENV, (len(layout.environment_names),)),
+        OBS_STATE: PolicyFeature(FeatureType.STATE, (ROBOT_STATE.size,)),
+        OBS_ENV_STATE: PolicyFeature(FeatureType.ENV, (len(layout.environment.names),)),
     }
     return given, {ACTION: PolicyFeature(FeatureType.ACTION, (len(ACTION_NAMES),))}

@@ -13,7 +13,8 @@ from torch import Tensor, nn
 
 from lfr.errors import LfrError
 from lfr.lerobot_plugin.configuration_lfr import LfrConfig
-from lfr.transfer.model import PARTS, actor_of
+from lfr.transfer.model import actor_of
+from lfr.transfer.network_kinds import network_kind
 
 
 class LfrPolicy(PreTrainedPolicy):
@@ -29,9 +30,10 @@ class LfrPolicy(PreTrainedPolicy):
     def __init__(self, config: LfrConfig, **_: Any) -> None:
         super().__init__(config)
         config.validate_features()
+        file = Path(config.pretrained_path or "") / "config.json"
         networks: dict[str, nn.Module] = {}
         for name, entry in config.networks.items():
-            networks[name] = PARTS[entry["class"]].network(**entry["shape"])
+            networks[name] = network_kind(entry["class"], file).network(**entry["shape"])
             self.add_module(name, networks[name].requires_grad_(False))
         self._actor = actor_of(networks, config.distribution, config.min_sigma)
         self._task = config.task_name

@@ -15,7 +15,7 @@ from lfr.artifacts import fingerprint
 from lfr.external import ExternalArm
 from lfr.mapping.artifacts import MappingSeen, save_generator
 from lfr.mapping.report import common_report, decoded_difference, new_task_report
-from lfr.mapping.training import CommonTask, MappingParams, train_mapping
+from lfr.mapping.training import ActionWindows, CommonTask, MappingParams, train_mapping
 from lfr.scenarios import Role, Scenario, Transfer
 from lfr.skills.artifacts import load_prior, load_vae
 from lfr.skills.demonstrations import DATASETS, Demonstrations, balanced, read_visible
@@ -73,7 +73,8 @@ class Material:
 
     Attributes:
         training, held_out: the common tasks with states of both arms.
-        windows: (N, H, A), of the common tasks by both arms, if pairs of posteriors are asked for.
+        windows: of the common tasks by both arms, if pairs of posteriors are asked for and their
+            actions are the same things.
         new: the source's prior of the new task, and its held-out states of it.
         datasets: common dataset's name -> SHA-256 of its rows.
         action_names: of each dimension, if both arms' actions are the same things.
@@ -81,7 +82,7 @@ class Material:
 
     training: dict[str, CommonTask]
     held_out: dict[str, CommonTask]
-    windows: Tensor | None
+    windows: ActionWindows | None
     new: tuple[SkillPrior, Tensor]
     datasets: dict[str, str]
     action_names: tuple[str, ...] | None
@@ -131,15 +132,17 @@ def read_material(job: MappingJob, seed: int) -> Material:
     transfer = job.transfer
     source = _read(job, transfer.source, "source", (*transfer.common, transfer.task))
     target = _read(job, transfer.target, "target", transfer.common)
+    new = source[transfer.task]
+    spaces = new.actions, target[transfer.common[0]].actions
+    action_names = spaces[0].names if spaces[0] == spaces[1] else None
     windows = None
-    if job.params.posterior_share:
+    if job.params.posterior_share and action_names is not None:
         arms = (("source", source), ("target", target))
-        windows = balanced(
+        actions = balanced(
             {f"{role}-{task}": thinned(demonstrations[task].training.actions)
              for role, demonstrations in arms for task in transfer.common}, seed,
         )  # fmt: skip
-    new = source[transfer.task]
-    spaces = new.actions, target[transfer.common[0]].actions
+        windows = ActionWindows(actions, action_names)
     learned = [arm[task] for arm in (source, target) for task in transfer.common]
     return Material(
         training=_common(job, source, target, "training_states"),
@@ -150,7 +153,7 @@ def read_material(job: MappingJob, seed: int) -> Material:
             new.held_out_states,
         ),
         datasets={one.dataset: one.digest for one in learned},
-        action_names=spaces[0].names if spaces[0] == spaces[1] else None,
+        action_names=action_names,
     )
 
 

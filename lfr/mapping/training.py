@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import torch
 from torch import Tensor, nn
@@ -46,6 +47,13 @@ class CommonTask:
     observations: Tensor
 
 
+class ActionWindows(NamedTuple):
+    """Actions (N, H, A) in [-1, 1], their dimensions called ``names``."""
+
+    actions: Tensor
+    names: tuple[str, ...]
+
+
 @torch.no_grad()
 def paired(task: CommonTask, observations: Tensor) -> tuple[Tensor, Tensor]:
     """k_x and k_y (B, 2Z): what either arm would do in the same states (lines 5 to 7)."""
@@ -59,7 +67,7 @@ def paired(task: CommonTask, observations: Tensor) -> tuple[Tensor, Tensor]:
 def train_mapping(
     tasks: list[CommonTask],
     encoders: tuple[SkillVAE, SkillVAE],
-    actions: Tensor | None,
+    windows: ActionWindows | None,
     params: MappingParams,
     seed: int,
 ) -> tuple[Generator, Generator]:
@@ -72,8 +80,8 @@ def train_mapping(
     Args:
         tasks: the common tasks; each is drawn equally often.
         encoders: the source's and the target's skill VAE.
-        actions: (N, H, A), windows of the common tasks of both arms, used if
-            ``posterior_share`` > 0; None else.
+        windows: of the common tasks by both arms, used if ``posterior_share`` > 0; None else, as
+            where the two arms' actions are different things.
     """
     torch.manual_seed(seed)
     generator = torch.Generator().manual_seed(seed)
@@ -101,8 +109,8 @@ def train_mapping(
     per_task = (params.batch - posteriors) // len(tasks)
     for _ in range(params.steps):
         pairs = [_sample(task, per_task, params.state_noise, generator) for task in tasks]
-        if posteriors and actions is not None:
-            pairs.append(_posteriors(encoders, actions, posteriors, generator))
+        if posteriors and windows is not None:
+            pairs.append(_posteriors(encoders, windows, posteriors, generator))
         k_x = torch.cat([pair[0] for pair in pairs])
         k_y = torch.cat([pair[1] for pair in pairs])
         loss = mapping_loss(g, f, k_x, k_y, params.cycle_weight)
@@ -127,10 +135,13 @@ def _sample(
 
 @torch.no_grad()
 def _posteriors(
-    encoders: tuple[SkillVAE, SkillVAE], actions: Tensor, count: int, generator: torch.Generator
+    encoders: tuple[SkillVAE, SkillVAE],
+    windows: ActionWindows,
+    count: int,
+    generator: torch.Generator,
 ) -> tuple[Tensor, Tensor]:
     """What both encoders make of the same, augmented windows: pairs beyond the common tasks."""
-    index = torch.randint(len(actions), (count,), generator=generator)
-    windows = augment(actions[index], generator)
-    k_x, k_y = (torch.cat(encoder.encode(windows), dim=-1) for encoder in encoders)
+    index = torch.randint(len(windows.actions), (count,), generator=generator)
+    actions = augment(windows.actions[index], windows.names, generator)
+    k_x, k_y = (torch.cat(encoder.encode(actions), dim=-1) for encoder in encoders)
     return k_x, k_y

@@ -1,4 +1,4 @@
-"""Many simulations of one arm in one task, stepped on several threads."""
+"""Many simulations of one embodiment in one task, stepped on several threads."""
 
 from __future__ import annotations
 
@@ -9,8 +9,9 @@ from types import TracebackType
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lfr.sim.layout import ObservationLayout, Steps
 from lfr.sim.simulation import Simulation
+from lfr.sim.steps import Steps
+from lfr.spaces import Space
 
 
 class Batch:
@@ -21,18 +22,18 @@ class Batch:
     What one environment gives depends on its own seed and actions alone, not on the others.
 
     Args:
-        robot, task: as for `Simulation`.
+        embodiment, task: as for `Simulation`.
         count: how many.
         threads: at most so many at a time; every core of this process by default.
     """
 
-    def __init__(self, robot: str, task: str, count: int, threads: int | None = None) -> None:
+    def __init__(self, embodiment: str, task: str, count: int, threads: int | None = None) -> None:
         if count < 1:
             raise ValueError(f"{count} simulations asked for, expected at least one")
-        self.simulations = tuple(Simulation(robot, task) for _ in range(count))
+        self.simulations = tuple(Simulation(embodiment, task) for _ in range(count))
         first = self.simulations[0]
-        self.robot, self.task, self.horizon = first.robot, first.task, first.horizon
-        self.layout: ObservationLayout = first.layout
+        self.embodiment, self.task, self.horizon = first.embodiment, first.task, first.horizon
+        self.layout: Space = first.layout
         threads = min(count, threads or len(os.sched_getaffinity(0)))
         self._pool = ThreadPoolExecutor(threads, "simulation") if threads > 1 else None
 
@@ -45,7 +46,7 @@ class Batch:
         return np.stack([simulation.reset(int(seed)) for simulation, seed in pairs])
 
     def step(self, actions: ArrayLike, stop_on_success: bool = False) -> list[Steps]:
-        """Apply actions (N, H, 7) to all, H control steps each; see `Simulation.step`.
+        """Apply actions (N, H, A) to all, H control steps each; see `Simulation.step`.
 
         A simulation that diverges ends its own run with `Steps.diverged`; the others go on.
         """
@@ -54,7 +55,7 @@ class Batch:
     def step_some(
         self, chosen: ArrayLike, actions: ArrayLike, stop_on_success: bool = False
     ) -> list[Steps]:
-        """The same for the simulations with the numbers `chosen` (M,), with actions (M, H, 7)."""
+        """The same for the simulations with the numbers `chosen` (M,), with actions (M, H, A)."""
         simulations = [self.simulations[i] for i in np.asarray(chosen, dtype=np.int64)]
         actions = np.asarray(actions, dtype=np.float64)
         if len(actions) != len(simulations):

@@ -11,7 +11,6 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-import lfr.robots
 import lfr.tasks
 from lfr.errors import MissingLibraryError, UnknownNameError
 from lfr.sim.simulation import Simulation
@@ -39,23 +38,28 @@ class Projection(NamedTuple):
 
 
 class Camera:
-    """A fixed camera on one robot's scene of a task.
+    """A fixed camera on one embodiment's scene of a task.
 
     Args:
-        robot, task: as for `Simulation`.
+        embodiment, task: as for `Simulation`.
         name: a camera of robosuite's scene, such as `agentview`, `frontview` or `sideview`.
         width, height: of the picture, pixels.
 
     Raises:
-        UnknownNameError: unknown robot, task or camera.
+        UnknownNameError: unknown embodiment, task or camera.
         MissingLibraryError: no OpenGL; names the Debian packages that bring it.
     """
 
     def __init__(
-        self, robot: str, task: str, name: str = "agentview", width: int = 128, height: int = 128
+        self,
+        embodiment: str,
+        task: str,
+        name: str = "agentview",
+        width: int = 128,
+        height: int = 128,
     ) -> None:
         self.name, self.width, self.height = name, width, height
-        self._model = model = visual_model(robot, task)
+        self._model = model = visual_model(embodiment, task)
         self._data = mujoco.MjData(model)
         names = tuple(model.camera(i).name for i in range(model.ncam))
         if name not in names:

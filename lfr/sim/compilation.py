@@ -17,19 +17,26 @@ from typing import Any
 import mujoco
 import numba
 import numba.core.config
+from numba.extending import register_jitable
+
+from lfr.compiled import MARKED
 
 _SOURCES = (
-    *("compilation", "cube", "engine", "kernel", "libmujoco", "observation"),
-    *("osc", "pcg64", "rewards", "scene", "start"),
+    *("compiled/*.py", "controllers/*.py", "tasks/*.py"),
+    *(f"sim/{name}.py" for name in ("compilation", "cube", "engine", "kernel", "libmujoco")),
+    *(f"sim/{name}.py" for name in ("pcg64", "start")),
 )
+_OPTIONS = {"nogil": True, "error_model": "numpy", "forceinline": True}
+_known: set[Callable[..., Any]] = set()
 
 
-def compiled[F: Callable[..., Any]](function: F) -> F:
-    """Compile `function` at its first call, without the GIL; keep the result where possible."""
+def entry[F: Callable[..., Any]](function: F) -> F:
+    """Compile `function` at its first call, without the GIL; keep the result where possible.
+
+    It may call whatever is `lfr.compiled.compiled`, if `make_callable` came first.
+    """
     folder = cache_folder()
-    compile_later: Any = numba.njit(
-        nogil=True, cache=folder is not None, error_model="numpy", forceinline=True
-    )
+    compile_later: Any = numba.njit(cache=folder is not None, **_OPTIONS)
     settings: Any = numba.core.config
     before = settings.CACHE_DIR
     settings.CACHE_DIR = str(folder or before)  # read once, when a function is decorated
@@ -39,12 +46,22 @@ def compiled[F: Callable[..., Any]](function: F) -> F:
         settings.CACHE_DIR = before
 
 
+def make_callable() -> None:
+    """Let compiled code call every function that is marked as `lfr.compiled.compiled` by now."""
+    for function in MARKED:
+        if function not in _known:
+            register_jitable(**_OPTIONS)(function)
+            _known.add(function)
+
+
 @functools.cache
 def cache_folder() -> Path | None:
     """Where compiled code is kept: beside the sources, or else in the user's cache, or nowhere."""
     digest = hashlib.sha256(f"{numba.__version__} {mujoco.__version__}".encode())
-    for name in _SOURCES:
-        digest.update((Path(__file__).parent / f"{name}.py").read_bytes())
+    package = Path(__file__).parent.parent
+    for pattern in _SOURCES:
+        for source in sorted(package.glob(pattern)):
+            digest.update(source.read_bytes())
     return writable_folder(f"kernel-{digest.hexdigest()[:16]}")
 
 

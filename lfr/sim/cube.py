@@ -13,8 +13,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from lfr.compiled import compiled
 from lfr.errors import LfrError
-from lfr.sim.compilation import compiled
 
 _OWNED = (
     *("body_mass", "body_inertia", "body_invweight0", "body_subtreemass"),

@@ -9,11 +9,9 @@ from typing import Any
 from numba import types
 from numba.experimental import structref
 
-from lfr.sim.compilation import compiled
+from lfr.compiled.arrays import Control, Physics, SceneArrays
+from lfr.sim.compilation import entry
 from lfr.sim.cube import Cube
-from lfr.sim.libmujoco import Physics
-from lfr.sim.osc import Controller
-from lfr.sim.scene import SceneArrays
 from lfr.sim.start import Drawn, StartArrays
 
 _FIELDS = ["physics", "scene", "control", "start", "drawn", "cube"]
@@ -30,7 +28,7 @@ class Engine(structref.StructRefProxy):
 
     physics: Physics
     scene: SceneArrays
-    control: Controller
+    control: Control
     start: StartArrays
     drawn: Drawn
     cube: Cube
@@ -40,11 +38,11 @@ structref.define_constructor(Engine, _EngineType, _FIELDS)
 structref.define_boxing(_EngineType, Engine)
 
 
-@compiled
+@entry
 def engine(
     physics: Physics,
     scene: SceneArrays,
-    control: Controller,
+    control: Control,
     start: StartArrays,
     drawn: Drawn,
     cube: Cube,

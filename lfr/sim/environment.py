@@ -1,14 +1,15 @@
-"""Gymnasium environments on the compiled engine: `lfr/Lift-Panda-v0` and its seven siblings.
+"""Gymnasium environments on the compiled engine: `lfr/Lift-Panda-v0` and its siblings.
 
     import gymnasium
     import lfr.sim.environment
     environment = gymnasium.make("lfr/Lift-Panda-v0")
 
-An action is a `Box(-1, 1, (7,))`, an observation the float64 vector of `lfr.sim.layout`, the reward
-robosuite's dense one in [0, 1], or with `reward="sparse"` its sparse one, 1 while the task is
-solved. An episode ends ("terminated") when the physics diverges, with `info["diverged"]`, and is
-cut ("truncated") at the task's horizon; success is `info["is_success"]` and ends nothing.
-`gymnasium.make_vec` gives many, on all cores (`lfr.sim.vector`).
+An action is a `Box(-1, 1, (A,))`, the controller's (`lfr.embodiments.Embodiment.action`), an
+observation the float64 vector of `lfr.tasks.Task.observation`, the reward robosuite's dense one in
+[0, 1], or with `reward="sparse"` its sparse one, 1 while the task is solved. An episode ends
+("terminated") when the physics diverges, with `info["diverged"]`, and is cut ("truncated") at the
+task's horizon; success is `info["is_success"]` and ends nothing. `gymnasium.make_vec` gives many,
+on all cores (`lfr.sim.vector`).
 """
 
 from typing import Any, ClassVar, Literal, get_args
@@ -18,25 +19,37 @@ import numpy as np
 from gymnasium.envs.registration import register
 from numpy.typing import NDArray
 
+from lfr.embodiments import DEFAULT_CONTROLLER, Embodiment, embodiment, embodiments
 from lfr.errors import UnknownNameError
-from lfr.robots import ACTION_NAMES, ROBOTS
-from lfr.sim.layout import ObservationLayout, Steps
+from lfr.sim.steps import Steps
+from lfr.spaces import Space
 from lfr.tasks import TASKS
 
 Reward = Literal["dense", "sparse"]
 
 
-def environment_id(robot: str, task: str) -> str:
-    """Gymnasium's name of `robot` in `task`, e.g. `lfr/NutAssembly-Sawyer-v0`."""
-    words = "".join(word.capitalize() for word in task.split("_"))
-    return f"lfr/{words}-{robot.capitalize()}-v0"
+def environment_id(name: str, task: str) -> str:
+    """Gymnasium's name of an embodiment in a task, e.g. `lfr/Lift-UR5e-JointPosition-v0`.
+
+    Raises:
+        UnknownNameError: unknown embodiment.
+    """
+    body = embodiment(name)
+    parts = [_camel(task), body.robot.stock_name]
+    if body.controller.name != DEFAULT_CONTROLLER:
+        parts.append(_camel(body.controller.name))
+    return f"lfr/{'-'.join(parts)}-v0"
+
+
+def _camel(name: str) -> str:
+    return "".join(word.capitalize() for word in name.split("_"))
 
 
 class Environment(gymnasium.Env[NDArray[np.float64], NDArray[np.float32]]):
-    """One arm in one task by Gymnasium's rules.
+    """One embodiment in one task by Gymnasium's rules.
 
     Args:
-        robot, task: as for `lfr.sim.simulation.Simulation`.
+        embodiment, task: as for `lfr.sim.simulation.Simulation`.
         reward: `dense` or `sparse`.
         render_mode: `rgb_array` draws the agent's view, or None.
     """
@@ -44,15 +57,15 @@ class Environment(gymnasium.Env[NDArray[np.float64], NDArray[np.float32]]):
     metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array"], "render_fps": 20}
 
     def __init__(
-        self, robot: str, task: str, reward: Reward = "dense", render_mode: str | None = None
+        self, embodiment: str, task: str, reward: Reward = "dense", render_mode: str | None = None
     ) -> None:
         # Registration must stay cheap; the engine imports MuJoCo and numba.
         from lfr.sim.simulation import Simulation
 
-        self.simulation = Simulation(robot, task)
+        self.simulation = Simulation(embodiment, task)
         self.render_mode = render_mode
         self._reward: Reward = checked_reward(reward)
-        self.action_space: Any = action_space()
+        self.action_space: Any = action_space(self.simulation.embodiment)
         self.observation_space: Any = observation_space(self.simulation.layout)
         self._camera: Any = None
 
@@ -77,7 +90,7 @@ class Environment(gymnasium.Env[NDArray[np.float64], NDArray[np.float32]]):
         if self._camera is None:
             from lfr.sim.camera import Camera
 
-            self._camera = Camera(self.simulation.robot.name, self.simulation.task.name)
+            self._camera = Camera(self.simulation.embodiment.name, self.simulation.task.name)
         return self._camera.render(self.simulation)
 
     def close(self) -> None:
@@ -102,33 +115,29 @@ def earned(steps: Steps, reward: Reward) -> float:
     return float(steps.rewards[-1] if reward == "dense" else steps.successes[-1])
 
 
-def action_space() -> gymnasium.spaces.Box:
-    return gymnasium.spaces.Box(-1.0, 1.0, (len(ACTION_NAMES),), np.float32)
+def action_space(embodiment: Embodiment) -> gymnasium.spaces.Box:
+    return gymnasium.spaces.Box(-1.0, 1.0, (embodiment.action.size,), np.float32)
 
 
-def observation_space(layout: ObservationLayout) -> gymnasium.spaces.Box:
-    """Bounds (D,): 1 for directions, cosines and commands, 10 m for lengths."""
-    unit = ("eef_rot6d", "gripper_command")
-    bounded = [
-        name.split(".")[0] in unit or "_up." in name or "_yaw." in name for name in layout.names
-    ]
-    # A rotation matrix is orthonormal to rounding only.
-    high = np.where(bounded, 1.0 + 1e-6, 10.0)
+def observation_space(layout: Space) -> gymnasium.spaces.Box:
+    """Bounds (D,) that no sound observation leaves."""
+    # A rotation matrix is orthonormal to rounding only, and an episode may fling things away.
+    high = np.array([1.0 + 1e-6 if each.high <= 1.0 else 10.0 for each in layout.each()])
     return gymnasium.spaces.Box(-high, high, dtype=np.float64)
 
 
 def register_environments() -> None:
-    """Make the eight environments known to Gymnasium; importing this module does it."""
-    for robot in ROBOTS.values():
+    """Make all environments known to Gymnasium; importing this module does it."""
+    for body in embodiments():
         for task in TASKS.values():
-            name = environment_id(robot.name, task.name)
+            name = environment_id(body.name, task.name)
             if name not in gymnasium.registry:
                 register(
                     name,
                     entry_point="lfr.sim.environment:Environment",
                     vector_entry_point="lfr.sim.vector:VectorEnvironment",
                     max_episode_steps=task.horizon,
-                    kwargs={"robot": robot.name, "task": task.name},
+                    kwargs={"embodiment": body.name, "task": task.name},
                 )
 
 

@@ -1,6 +1,7 @@
 """A run of control steps in one compiled call, with the GIL released.
 
-One compiled specialisation serves every robot and task: what differs is data (`SceneArrays`).
+One compiled specialisation serves every arm, controller and task: what differs is data
+(`SceneArrays`), and the parts that are code are chosen among by number.
 """
 
 import math
@@ -8,15 +9,16 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from lfr.sim.compilation import compiled
+from lfr.compiled import compiled
+from lfr.compiled.arrays import Control, Physics, SceneArrays
+from lfr.compiled.observation import observe
+from lfr.controllers import set_goal, set_torques
+from lfr.sim.compilation import entry
 from lfr.sim.cube import resize
 from lfr.sim.engine import Engine
-from lfr.sim.libmujoco import Physics, mj_kinematics, mj_resetData, mj_step1, mj_step2
-from lfr.sim.observation import observe
-from lfr.sim.osc import JOINTS, Controller, advance_gripper, set_goal, set_torques
-from lfr.sim.rewards import reward_and_success
-from lfr.sim.scene import SceneArrays
+from lfr.sim.libmujoco import mj_kinematics, mj_resetData, mj_step1, mj_step2
 from lfr.sim.start import draw
+from lfr.tasks import reward_and_success
 
 SUBSTEPS = 25
 """Physics steps of 2 ms in a control step of 50 ms."""
@@ -25,7 +27,7 @@ LARGEST = 1e3
 """Beyond this position (rad, m) or velocity (per s) the physics counts as diverged."""
 
 
-@compiled
+@entry
 def reset(engine: Engine, seed: int, observation: NDArray[np.float64]) -> None:
     """Start the episode that `seed` names; fill the observation (D,)."""
     physics, control, start, drawn = engine.physics, engine.control, engine.start, engine.drawn
@@ -33,27 +35,28 @@ def reset(engine: Engine, seed: int, observation: NDArray[np.float64]) -> None:
     if start.sized:
         resize(engine.cube, drawn.cube_size)
     mj_resetData(physics.model, physics.data)
-    for j in range(JOINTS):
+    joints = drawn.joint_position.shape[0]
+    for j in range(joints):
         physics.qpos[j] = control.posture[j] = drawn.joint_position[j]
     # robosuite writes the open position in the order of the gripper's joints.
-    physics.qpos[JOINTS], physics.qpos[JOINTS + 1] = start.open_fingers[0], start.open_fingers[1]
+    for f in range(start.open_fingers.shape[0]):
+        physics.qpos[joints + f] = start.open_fingers[f]
     for i in range(start.addresses.shape[0]):
         address = start.addresses[i]
         if address >= 0:
             for k in range(7):
                 physics.qpos[address + k] = drawn.poses[i, k]
     control.gripper[0] = 0.0
-    current(engine, observation)
+    _current(physics, engine.scene, control, observation)
 
 
-@compiled
+@entry
 def current(engine: Engine, observation: NDArray[np.float64]) -> None:
     """Bring the kinematics up to date; fill the observation (D,)."""
-    mj_kinematics(engine.physics.model, engine.physics.data)
-    observe(engine.physics, engine.scene, engine.control, observation)
+    _current(engine.physics, engine.scene, engine.control, observation)
 
 
-@compiled
+@entry
 def run(
     engine: Engine,
     actions: NDArray[np.float64],
@@ -62,7 +65,7 @@ def run(
     rewards: NDArray[np.float64],
     successes: NDArray[np.bool_],
 ) -> tuple[int, bool]:
-    """Apply actions (H, 7); fill observations (H, D), rewards (H,), successes (H,).
+    """Apply actions (H, A); fill observations (H, D), rewards (H,), successes (H,).
 
     Returns:
         The number of steps taken, and whether the last of them diverged; the observation of a
@@ -71,24 +74,30 @@ def run(
     physics, scene, control = engine.physics, engine.scene, engine.control
     last = actions.shape[0]
     for t in range(last):
-        if not _finite(actions[t], math.inf) or not _control_step(
-            physics, scene, control, actions[t]
-        ):
+        finite = _finite(actions[t], math.inf)
+        if not finite or not _control_step(physics, scene, control, actions[t]):
             if t > 0:
                 observations[t] = observations[t - 1]
             rewards[t], successes[t] = 0.0, False
             return t + 1, True
         rewards[t], successes[t] = reward_and_success(physics, scene)
-        mj_kinematics(physics.model, physics.data)
-        observe(physics, scene, control, observations[t])
+        _current(physics, scene, control, observations[t])
         if stop_on_success and successes[t]:
             return t + 1, False
     return last, False
 
 
 @compiled
+def _current(
+    physics: Physics, scene: SceneArrays, control: Control, observation: NDArray[np.float64]
+) -> None:
+    mj_kinematics(physics.model, physics.data)
+    observe(physics, scene, control, observation)
+
+
+@compiled
 def _control_step(
-    physics: Physics, scene: SceneArrays, control: Controller, action: NDArray[np.float64]
+    physics: Physics, scene: SceneArrays, control: Control, action: NDArray[np.float64]
 ) -> bool:
     """Goal at the first substep, torques at every one; False when the physics diverges."""
     for substep in range(SUBSTEPS):
@@ -97,10 +106,22 @@ def _control_step(
         mj_step1(physics.model, physics.data)
         if substep == 0:
             set_goal(physics, scene, control, action)
-            advance_gripper(physics, scene, control, action[6])
+            _advance_gripper(physics, scene, control, action[action.shape[0] - 1])
         set_torques(physics, scene, control)
         mj_step2(physics.model, physics.data)
     return _finite(physics.qvel, LARGEST) and _finite(physics.qpos, LARGEST)
+
+
+@compiled
+def _advance_gripper(physics: Physics, scene: SceneArrays, control: Control, action: float) -> None:
+    """Integrate the gripper's command towards the action's sign and set its actuators."""
+    step = scene.finger_speed if action > 0.0 else (-scene.finger_speed if action < 0.0 else 0.0)
+    control.gripper[0] = min(max(control.gripper[0] + step, -1.0), 1.0)
+    joints = control.posture.shape[0]
+    for i in range(scene.close_signs.shape[0]):
+        low, high = scene.ctrl_range[joints + i, 0], scene.ctrl_range[joints + i, 1]
+        target = scene.close_signs[i] * control.gripper[0]
+        physics.ctrl[joints + i] = 0.5 * (high + low) + 0.5 * (high - low) * target
 
 
 @compiled

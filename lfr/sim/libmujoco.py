@@ -17,13 +17,12 @@ import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
+from lfr.compiled.arrays import Physics
+from lfr.compiled.contacts import MAX_CONTACTS
 from lfr.errors import LfrError
 
 CHECKED_VERSIONS = ("3.8.", "3.9.")
 """MuJoCo releases whose functions have the signatures below."""
-
-MAX_CONTACTS = 200
-"""Rows of the contact view; contacts beyond it exist in the physics, not in the grasp check."""
 
 _POINTER = types.intp
 _STEP_SIGNATURE = types.void(_POINTER, _POINTER)
@@ -31,26 +30,6 @@ mj_step1 = types.ExternalFunction("mj_step1", _STEP_SIGNATURE)
 mj_step2 = types.ExternalFunction("mj_step2", _STEP_SIGNATURE)
 mj_resetData = types.ExternalFunction("mj_resetData", _STEP_SIGNATURE)
 mj_kinematics = types.ExternalFunction("mj_kinematics", _STEP_SIGNATURE)
-
-
-class Physics(NamedTuple):
-    """Pointers to one MuJoCo model and its data, and views of what the kernel reads and writes."""
-
-    model: int
-    data: int
-    qpos: NDArray[np.float64]  # (nq,)
-    qvel: NDArray[np.float64]  # (nv,)
-    ctrl: NDArray[np.float64]  # (nu,)
-    bias: NDArray[np.float64]  # (nv,) gravity, Coriolis and centrifugal forces
-    inertia: NDArray[np.float64]  # (nM,) sparse joint-space inertia matrix
-    xanchor: NDArray[np.float64]  # (njnt, 3)
-    xaxis: NDArray[np.float64]  # (njnt, 3)
-    xpos: NDArray[np.float64]  # (nbody, 3)
-    xmat: NDArray[np.float64]  # (nbody, 9)
-    site_xpos: NDArray[np.float64]  # (nsite, 3)
-    site_xmat: NDArray[np.float64]  # (nsite, 9)
-    contact_count: NDArray[np.int32]  # (1,)
-    contact_geoms: NDArray[np.int32]  # (MAX_CONTACTS, 2)
 
 
 class _ContactLayout(NamedTuple):
@@ -102,6 +81,7 @@ def physics(model: mujoco.MjModel, data: mujoco.MjData, address: int | None = No
         xaxis=data.xaxis,
         xpos=data.xpos,
         xmat=data.xmat,
+        geom_xpos=data.geom_xpos,
         site_xpos=data.site_xpos,
         site_xmat=data.site_xmat,
         contact_count=count,

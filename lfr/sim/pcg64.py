@@ -18,7 +18,7 @@ from numba.np.random._constants import (  # pyright: ignore[reportMissingImports
 )
 from numpy.typing import NDArray
 
-from lfr.sim.compilation import compiled
+from lfr.compiled import compiled
 
 State = NDArray[np.uint64]
 """(4,): the LCG's state and its increment, the high word of each first."""

@@ -8,83 +8,58 @@ move lose their mass: otherwise MuJoCo computes the drag of the air on them in e
 """
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-import lfr.robots
 import lfr.tasks
+from lfr.compiled import contacts, frames
+from lfr.compiled.arrays import SceneArrays
+from lfr.controllers import CONTROLLERS
+from lfr.embodiments import Embodiment, embodiment
 from lfr.errors import LfrError
-from lfr.robots import Robot
+from lfr.robots import Gripper, Robot
 from lfr.sim.placement import start_arrays
 from lfr.sim.start import StartArrays
-from lfr.sim.stock import make_stock_environment
-from lfr.tasks import Task
+from lfr.sim.stock import make_stock_environment, repaired_xml
+from lfr.tasks import TASKS, Task
+from lfr.tasks.task import EEF, Place
 
-OTHER, LEFT_PAD, RIGHT_PAD, FIRST_OBJECT, SECOND_OBJECT = range(5)
-"""What a geom is to the grasp and contact checks."""
-
-
-class SceneArrays(NamedTuple):
-    """What the kernel must know of a scene; the same types for every robot and task.
-
-    Ids that a task lacks are 0. Lengths in m, world frame.
-    """
-
-    task: int  # Task.identifier
-    base_body: int
-    controller_site: int
-    grip_site: int
-    finger_first: int  # qpos address; opening raises it
-    finger_second: int
-    pad_gap_at_zero: float
-    first_object: int  # body
-    second_object: int
-    handle_site: int
-    peg_body: int
-    surface_z: float  # of the table top or the bin's bottom
-    lift_z: float  # height that completes the lifting reward
-    bin_size: NDArray[np.float64]  # (2,) of one of the four target bins, x and y
-    bin_target: NDArray[np.float64]  # (3,) centre of the target bin
-    geom_kind: NDArray[np.int64]  # (ngeom,)
-    ctrl_range: NDArray[np.float64]  # (nu, 2)
-    close_signs: NDArray[np.float64]  # (2,)
-    inertia_index: NDArray[np.int64]  # (7, 7) places of the arm's block in MjData.qM
+PLACE_KINDS = {"body": frames.BODY, "site": frames.SITE, "point": frames.POINT}
 
 
 @dataclass(frozen=True)
 class Scene:
     """A pruned model, what the kernel must know of it, and how its episodes start."""
 
-    robot: Robot
+    embodiment: Embodiment
     task: Task
     model: mujoco.MjModel
     arrays: SceneArrays
     start: StartArrays
 
 
-def build_scene(robot: str, task: str) -> Scene:
-    """Build the scene of `task` with `robot`.
+def build_scene(name: str, task: str) -> Scene:
+    """Build the scene of `task` with the embodiment called `name`.
 
     Raises:
-        UnknownNameError: unknown robot or task.
+        UnknownNameError: unknown embodiment or task.
         LfrError: robosuite's model is not laid out as the kernel needs it.
     """
-    arm, chosen = lfr.robots.robot(robot), lfr.tasks.task(task)
-    environment = make_stock_environment(robot, task, hard_reset=False)
-    xml = environment.edit_model_xml(environment.model.get_xml())
-    model = pruned_spec(xml, arm, chosen).compile()
+    body, chosen = embodiment(name), lfr.tasks.task(task)
+    environment = make_stock_environment(name, task, hard_reset=False)
+    model = pruned_spec(repaired_xml(environment, body.robot), body.robot, chosen).compile()
     data = mujoco.MjData(model)
     _unburden(model, data)
     mujoco.mj_forward(model, data)
-    _check_layout(model, arm)
+    _check_layout(model, body.robot)
     return Scene(
-        robot=arm,
+        embodiment=body,
         task=chosen,
         model=model,
-        arrays=_arrays(environment, model, data, arm, chosen),
+        arrays=_arrays(environment, model, body, chosen),
         start=start_arrays(environment, model),
     )
 
@@ -98,8 +73,6 @@ def pruned_spec(xml: str, robot: Robot, task: Task) -> mujoco.MjSpec:
         spec.delete(spec.body(name))
     for element in [*spec.cameras, *spec.lights]:
         spec.delete(element)
-    for first, second in robot.excluded_contacts:
-        spec.add_exclude(bodyname1=first, bodyname2=second)
     kept = ("gripper0_", *robot.distal_bodies)
     for body in spec.bodies:
         if body.name.startswith(("robot0_", "fixed_mount0_")) and not body.name.startswith(kept):
@@ -137,57 +110,80 @@ def _unburden(model: mujoco.MjModel, data: mujoco.MjData) -> None:
 
 
 def _check_layout(model: mujoco.MjModel, robot: Robot) -> None:
-    names = tuple(model.joint(j).name for j in range(len(robot.joints)))
-    hinges = bool((model.jnt_type[: len(names)] == mujoco.mjtJoint.mjJNT_HINGE).all())
-    if names != robot.joints or not hinges or model.nu != len(names) + 2:
+    expected = (*robot.joints, *robot.gripper.joints)
+    found = tuple(model.joint(j).name for j in range(min(len(expected), model.njnt)))
+    hinges = bool((model.jnt_type[: len(robot.joints)] == mujoco.mjtJoint.mjJNT_HINGE).all())
+    actuators = len(robot.joints) + len(robot.gripper.close_signs)
+    if found != expected or not hinges or model.nu != actuators:
         raise LfrError(
-            f"{robot.name}: found joints {', '.join(names)} and {model.nu} actuators, expected the "
-            f"hinges {', '.join(robot.joints)} first, then two finger actuators"
+            f"{robot.name}: found joints {', '.join(found)} and {model.nu} actuators; expected "
+            f"first the hinges {', '.join(robot.joints)}, then {', '.join(robot.gripper.joints)}, "
+            f"and {actuators} actuators"
         )
 
 
-def _arrays(
-    environment: object,
-    model: mujoco.MjModel,
-    data: mujoco.MjData,
-    robot: Robot,
-    task: Task,
-) -> SceneArrays:
+def _arrays(environment: Any, model: mujoco.MjModel, body: Embodiment, task: Task) -> SceneArrays:
+    robot, gripper = body.robot, body.gripper
     bodies = [model.body(name).id for name in task.objects.values()]
-    bins, pegs = task.name == "pick_place", task.name == "nut_assembly"
-    bin_position = np.array(getattr(environment, "bin2_pos", np.zeros(3)), dtype=np.float64)
-    table = np.array(getattr(environment, "table_offset", np.zeros(3)), dtype=np.float64)
-    bin_size = np.array(getattr(environment, "bin_size", np.zeros(3))[:2], dtype=np.float64) / 2
-    target = bin_position + np.array([*bin_size / 2, 0.0])
-    first, second = (model.joint(name).qposadr[0] for name in robot.finger_joints)
+    places = (Place("site", gripper.grip_site), *task.places)
+    numbers = {EEF: 0, **{place: i for i, place in enumerate(task.places, 1)}}
+    points = task.points(environment)
     return SceneArrays(
-        task=task.identifier,
+        task=tuple(TASKS).index(task.name),
+        controller=tuple(CONTROLLERS).index(body.controller.name),
         base_body=model.body(robot.base_body).id,
         controller_site=model.site(robot.controller_site).id,
-        grip_site=model.site(robot.grip_site).id,
-        finger_first=int(first),
-        finger_second=int(second),
-        pad_gap_at_zero=robot.pad_gap_at_zero,
-        first_object=bodies[0],
-        second_object=bodies[1] if len(bodies) > 1 else 0,
-        handle_site=model.site("SquareNut_handle_site").id if pegs else 0,
-        peg_body=model.body("peg1").id if pegs else 0,
-        surface_z=float(bin_position[2] if bins else table[2]),
-        lift_z=float(bin_position[2] + 0.25 if bins else data.body("table").xpos[2] + 0.2),
-        bin_size=bin_size,
-        bin_target=target,
+        grip_site=model.site(gripper.grip_site).id,
+        objects=np.array([*bodies, -1][:2]),
         geom_kind=_geom_kinds(model, robot, bodies),
+        pad_geoms=_pad_geoms(model, gripper),
+        pad_depth=_pad_depth(model, gripper),
         ctrl_range=np.ascontiguousarray(model.actuator_ctrlrange),
-        close_signs=np.array(robot.close_signs),
+        close_signs=np.array(gripper.close_signs),
+        finger_speed=gripper.speed,
         inertia_index=_inertia_index(model, len(robot.joints)),
+        action_scale=np.array(body.action_scale),
+        place_kind=np.array([PLACE_KINDS[place.kind] for place in places]),
+        place_id=np.array([_place_id(model, place) for place in places]),
+        place_point=np.array([points.get(place.name, np.zeros(3)) for place in places]),
+        term_kind=np.array([term.kind for term in task.terms]),
+        term_to=np.array([numbers[term.to] for term in task.terms]),
+        term_from=np.array([numbers[term.origin] for term in task.terms]),
+        term_fold=np.array([float(term.quantity.fold) for term in task.terms]),
+        constants=np.array(task.constants(environment), dtype=np.float64),
     )
 
 
+def _place_id(model: mujoco.MjModel, place: Place) -> int:
+    if place.kind == "point":
+        return -1
+    return (model.body if place.kind == "body" else model.site)(place.name).id
+
+
+def _pad_geoms(model: mujoco.MjModel, gripper: Gripper) -> NDArray[np.int64]:
+    sides = (gripper.left_pads, gripper.right_pads)
+    geoms = np.full((2, max(map(len, sides))), -1, dtype=np.int64)
+    for side, names in enumerate(sides):
+        geoms[side, : len(names)] = [model.geom(name).id for name in names]
+    return geoms
+
+
+def _pad_depth(model: mujoco.MjModel, gripper: Gripper) -> float:
+    """Half the pads' thickness (m), which is their least extent, of both sides together."""
+    sides = (gripper.left_pads, gripper.right_pads)
+    return float(sum(np.mean([model.geom(n).size.min() for n in names]) for names in sides))
+
+
 def _geom_kinds(model: mujoco.MjModel, robot: Robot, bodies: list[int]) -> NDArray[np.int64]:
-    kinds = np.full(model.ngeom, OTHER, dtype=np.int64)
-    for body, kind in zip(bodies, (FIRST_OBJECT, SECOND_OBJECT), strict=False):
+    kinds = np.full(model.ngeom, contacts.OTHER, dtype=np.int64)
+    objects = (contacts.FIRST_OBJECT, contacts.SECOND_OBJECT)
+    for body, kind in zip(bodies, objects, strict=False):
         kinds[model.geom_bodyid == body] = kind
-    for names, kind in ((robot.left_pads, LEFT_PAD), (robot.right_pads, RIGHT_PAD)):
+    pads = {
+        contacts.LEFT_PAD: robot.gripper.left_pads,
+        contacts.RIGHT_PAD: robot.gripper.right_pads,
+    }
+    for kind, names in pads.items():
         for name in names:
             kinds[model.geom(name).id] = kind
     return kinds

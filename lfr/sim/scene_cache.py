@@ -19,37 +19,39 @@ from typing import Any
 import mujoco
 import numpy as np
 
-import lfr.robots
 import lfr.tasks
+from lfr.compiled.arrays import SceneArrays
+from lfr.embodiments import embodiment
 from lfr.sim.compilation import writable_folder
-from lfr.sim.scene import Scene, SceneArrays, build_scene
+from lfr.sim.scene import Scene, build_scene
 from lfr.sim.start import StartArrays
 
 _LOG = logging.getLogger(__name__)
 _SOURCES = (
     *("sim/placement.py", "sim/scene.py", "sim/start.py", "sim/stock.py"),
-    *("robots.py", "tasks.py"),
+    *("embodiments.py", "spaces.py", "compiled/*.py", "controllers/*.py", "robots/*.py"),
+    "tasks/*.py",
 )
 
 
-def load_scene(robot: str, task: str) -> Scene:
-    """The scene of `task` with `robot`: a kept one if there is, else built and kept.
+def load_scene(name: str, task: str) -> Scene:
+    """The scene of `task` with an embodiment: a kept one if there is, else built and kept.
 
     Raises:
-        UnknownNameError: unknown robot or task.
+        UnknownNameError: unknown embodiment or task.
         LfrError: robosuite's model is not laid out as the kernel needs it.
     """
-    arm, chosen = lfr.robots.robot(robot), lfr.tasks.task(task)
+    body, chosen = embodiment(name), lfr.tasks.task(task)
     folder = scene_folder()
     if folder is None:
-        return build_scene(robot, task)
-    path = folder / f"{arm.name}-{chosen.name}.npz"
+        return build_scene(name, task)
+    path = folder / f"{body.name}-{chosen.name}.npz"
     if path.exists():
         try:
-            return _read(path, robot, task)
+            return _read(path, name, task)
         except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile) as error:
             _LOG.warning("%s cannot be read (%s); building the scene anew", path, error)
-    scene = build_scene(robot, task)
+    scene = build_scene(name, task)
     try:
         _write(path, scene)
     except OSError as error:
@@ -62,8 +64,9 @@ def scene_folder() -> Path | None:
     """Where scenes of these versions are kept, or None where nothing can be written."""
     package = Path(__file__).parent.parent
     digest = hashlib.sha256(f"{mujoco.__version__} {metadata.version('robosuite')}".encode())
-    for name in _SOURCES:
-        digest.update((package / name).read_bytes())
+    for pattern in _SOURCES:
+        for source in sorted(package.glob(pattern)):
+            digest.update(source.read_bytes())
     return writable_folder(f"scenes-{digest.hexdigest()[:16]}")
 
 
@@ -78,12 +81,12 @@ def _write(path: Path, scene: Scene) -> None:
     partial.replace(path)
 
 
-def _read(path: Path, robot: str, task: str) -> Scene:
+def _read(path: Path, name: str, task: str) -> Scene:
     with np.load(path, allow_pickle=False) as kept:
         model = mujoco.MjModel.from_binary_path("scene.mjb", {"scene.mjb": kept["model"].tobytes()})
         arrays = SceneArrays(**_part(kept, "arrays", SceneArrays._fields))
         start = StartArrays(**_part(kept, "start", StartArrays._fields))
-    return Scene(lfr.robots.robot(robot), lfr.tasks.task(task), model, arrays, start)
+    return Scene(embodiment(name), lfr.tasks.task(task), model, arrays, start)
 
 
 def _part(kept: Any, part: str, fields: tuple[str, ...]) -> dict[str, Any]:

@@ -7,20 +7,23 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lfr.sim import kernel, libmujoco, osc
-from lfr.sim.compilation import compiling_once
+from lfr.compiled import arrays
+from lfr.controllers.controller import Configuration
+from lfr.sim import kernel, libmujoco
+from lfr.sim.compilation import compiling_once, make_callable
 from lfr.sim.cube import ResizableModel, no_cube, resize
 from lfr.sim.engine import engine
-from lfr.sim.layout import ObservationLayout, Steps
 from lfr.sim.scene import Scene
 from lfr.sim.scene_cache import load_scene
 from lfr.sim.start import room
+from lfr.sim.steps import Steps
+from lfr.spaces import Space
 
 _LOG = logging.getLogger(__name__)
 
 
 class Simulation:
-    """One arm in one task, a whole run of control steps in one compiled call.
+    """One embodiment in one task, a whole run of control steps in one compiled call.
 
     Control is 20 Hz, physics 2 ms; observations, rewards and successes are those of
     `lfr.sim.stock.StockSimulation`, the oracle in the tests. `lfr.sim` lists what differs
@@ -28,15 +31,17 @@ class Simulation:
     while it steps, so several instances run beside each other.
 
     Raises:
-        UnknownNameError: unknown robot or task.
+        UnknownNameError: unknown embodiment or task.
         LfrError: a libmujoco that the kernel was not checked against.
     """
 
-    def __init__(self, robot: str, task: str) -> None:
+    def __init__(self, embodiment: str, task: str) -> None:
         libmujoco.load()
-        self._scene = scene = _scene(robot, task)
-        self.robot, self.task = scene.robot, scene.task
-        self.layout = ObservationLayout.of(scene.task)
+        self._scene = scene = _scene(embodiment, task)
+        self.embodiment, self.task = scene.embodiment, scene.task
+        self.robot = scene.embodiment.robot
+        self.layout: Space = scene.task.observation
+        self.joints, self.action_size = len(self.robot.joints), self.embodiment.action.size
         self.horizon = scene.task.horizon
         self._model, self._data = scene.model, mujoco.MjData(scene.model)
         # Only Lift changes its model, by the size of its cube.
@@ -44,14 +49,16 @@ class Simulation:
         address = None if self._own is None else self._own.address
         self._cube = no_cube() if self._own is None else self._own.cube
         self._physics = libmujoco.physics(self._model, self._data, address)
-        self._control = osc.controller()
-        self._drawn = room(len(scene.start.heights))
+        self._control = arrays.control(self.joints)
+        self._drawn = room(self.joints, len(scene.start.heights))
         self._observation = np.zeros(self.layout.size)
+        make_callable()
         with compiling_once():
             self._engine = engine(
                 self._physics, scene.arrays, self._control, scene.start, self._drawn, self._cube
             )
             self.reset(0)
+            self.step(np.empty((0, self.action_size)))
 
     def reset(self, seed: int) -> NDArray[np.float64]:
         """Start an episode that `seed` fully determines; returns the observation (D,).
@@ -67,18 +74,17 @@ class Simulation:
         return self._observation.copy()
 
     def step(self, actions: ArrayLike, stop_on_success: bool = False) -> Steps:
-        """Apply `actions` (H, 7) one control step each; stop early at success if asked to.
+        """Apply `actions` (H, A) one control step each; stop early at success if asked to.
 
         A step whose physics diverges, or whose action is not finite, ends the run with `diverged`;
         its observation repeats the last one, and the simulation is to be reset.
         """
-        actions = np.ascontiguousarray(actions, dtype=np.float64).reshape(-1, 7)
+        actions = np.ascontiguousarray(actions, dtype=np.float64).reshape(-1, self.action_size)
         horizon = len(actions)
         observations = np.empty((horizon, self.layout.size))
         rewards, successes = np.empty(horizon), np.empty(horizon, dtype=np.bool_)
-        if horizon == 0:
-            return Steps(observations, rewards, successes)
-        observations[0] = self._observation
+        if horizon:
+            observations[0] = self._observation
         n, diverged = kernel.run(
             self._engine,
             actions,
@@ -87,13 +93,14 @@ class Simulation:
             rewards,
             successes,
         )
-        self._observation[:] = observations[n - 1]
+        if n:
+            self._observation[:] = observations[n - 1]
         if diverged:
-            _LOG.warning("%s-%s: the physics diverged", self.robot.name, self.task.name)
+            _LOG.warning("%s-%s: the physics diverged", self.embodiment.name, self.task.name)
         return Steps(observations[:n], rewards[:n], successes[:n], bool(diverged))
 
     def observation(self) -> NDArray[np.float64]:
-        """The current observation (D,), in the base frame; see `lfr.sim.layout`."""
+        """The current observation (D,), in the base frame; see `lfr.tasks.Task.observation`."""
         kernel.current(self._engine, self._observation)
         return self._observation.copy()
 
@@ -102,12 +109,22 @@ class Simulation:
         return self._data.qpos.copy()
 
     def joint_position(self) -> NDArray[np.float64]:
-        """(7,) rad."""
-        return self._data.qpos[: osc.JOINTS].copy()
+        """(N,) rad."""
+        return self._data.qpos[: self.joints].copy()
 
     def joint_velocity(self) -> NDArray[np.float64]:
-        """(7,) rad/s."""
-        return self._data.qvel[: osc.JOINTS].copy()
+        """(N,) rad/s."""
+        return self._data.qvel[: self.joints].copy()
+
+    def configuration(self) -> Configuration:
+        """Where the arm stands, for `Controller.action_of`."""
+        data, n = self._data, self.joints
+        base = data.xmat[self._scene.arrays.base_body].reshape(3, 3)
+        axes, anchors = data.xaxis[:n], data.xanchor[:n]  # of hinges in a chain
+        hand = data.site_xpos[self._scene.arrays.grip_site]
+        jacobian = np.vstack([(np.cross(axes, hand - anchors) @ base).T, (axes @ base).T])
+        rest, scale = self._scene.start.joint_position, self._scene.arrays.action_scale
+        return Configuration(self.joint_position(), rest, jacobian, scale)
 
     def body_poses(self) -> dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]:
         """Body name -> position (3,) m and quaternion (4,) wxyz, in the world frame."""
@@ -119,19 +136,19 @@ class Simulation:
         return self._drawn.cube_size.copy()
 
     def state(self) -> NDArray[np.float64]:
-        """(S,): qpos, qvel, warm start, null-space target (7,), gripper command, cube size (3,)."""
+        """(S,): qpos, qvel, warm start, starting posture (N,), gripper command, cube size (3,)."""
         data, control = self._data, self._control
         parts = (data.qpos, data.qvel, data.qacc_warmstart, control.posture, control.gripper)
         return np.concatenate([*parts, self._drawn.cube_size])
 
     def set_state(self, state: ArrayLike) -> None:
-        """Continue exactly from a `state()` of the same robot and task.
+        """Continue exactly from a `state()` of the same embodiment and task.
 
         Raises:
             ValueError: the state has another length.
         """
         model, data = self._model, self._data
-        lengths = [model.nq, model.nv, model.nv, osc.JOINTS, 1, 3]
+        lengths = [model.nq, model.nv, model.nv, self.joints, 1, 3]
         state = np.asarray(state, dtype=np.float64)
         if state.shape != (sum(lengths),):
             raise ValueError(f"state has shape {state.shape}, expected ({sum(lengths)},)")
@@ -146,11 +163,11 @@ class Simulation:
 
 
 @functools.cache
-def simulation(robot: str, task: str) -> Simulation:
-    """This process's one simulation of `robot` in `task`, for jobs that follow one another."""
-    return Simulation(robot, task)
+def simulation(embodiment: str, task: str) -> Simulation:
+    """This process's one simulation of an embodiment in a task, for jobs that follow another."""
+    return Simulation(embodiment, task)
 
 
 @functools.cache
-def _scene(robot: str, task: str) -> Scene:
-    return load_scene(robot, task)
+def _scene(embodiment: str, task: str) -> Scene:
+    return load_scene(embodiment, task)

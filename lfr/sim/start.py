@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lfr.sim.compilation import compiled
+from lfr.compiled import compiled
 from lfr.sim.pcg64 import normal, seed_generator, uniform
 
 
@@ -21,9 +21,9 @@ class StartArrays(NamedTuple):
     they keep others out of their place.
     """
 
-    joint_position: NDArray[np.float64]  # (7,) nominal
+    joint_position: NDArray[np.float64]  # (N,) nominal
     joint_noise: float  # standard deviation of Gaussian noise on it
-    open_fingers: NDArray[np.float64]  # (2,) qpos
+    open_fingers: NDArray[np.float64]  # (F,) qpos
     regions: NDArray[np.float64]  # (N, 2, 2) x and y, low and high
     heights: NDArray[np.float64]  # (N,) at which it is let go
     extents: NDArray[np.float64]  # (N, 3) horizontal radius, bottom and top from its origin
@@ -37,14 +37,15 @@ class Drawn(NamedTuple):
     """One start, and the generator it comes from."""
 
     generator: NDArray[np.uint64]
-    joint_position: NDArray[np.float64]  # (7,)
+    joint_position: NDArray[np.float64]  # (N,)
     poses: NDArray[np.float64]  # (N, 7) position and quaternion wxyz
     cube_size: NDArray[np.float64]  # (3,) half sizes, unchanged where nothing is drawn
 
 
-def room(objects: int) -> Drawn:
-    """Room for a start with so many objects."""
-    return Drawn(np.zeros(4, np.uint64), np.zeros(7), np.zeros((objects, 7)), np.zeros(3))
+def room(joints: int, objects: int) -> Drawn:
+    """Room for a start of an arm with so many joints among so many objects."""
+    generator, poses = np.zeros(4, np.uint64), np.zeros((objects, 7))
+    return Drawn(generator, np.zeros(joints), poses, np.zeros(3))
 
 
 @compiled

@@ -1,4 +1,4 @@
-"""The four tasks on stock robosuite: the oracle of the compiled engine, and the second judge."""
+"""The tasks on stock robosuite: the oracle of the compiled engine, and the second judge."""
 
 import logging
 import warnings
@@ -7,16 +7,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-import lfr.robots
 import lfr.tasks
-from lfr.sim.layout import ObservationLayout, Steps
+from lfr.compiled import observation
+from lfr.embodiments import embodiment as embodiment_named
+from lfr.robots import Robot
+from lfr.sim.steps import Steps
+from lfr.sim.stock_grippers import mend_gripper
+from lfr.tasks.task import EEF, Place, Term
 
 CONTROL_FREQUENCY = 20
 """Hz; with MuJoCo's time step of 2 ms, 25 substeps per control step."""
 
 
 def make_stock_environment(
-    robot: str, task: str, *, hard_reset: bool, object_observation: bool = False
+    embodiment: str, task: str, *, hard_reset: bool, object_observation: bool = False
 ) -> Any:
     """robosuite's environment with its best switches for speed and without rendering."""
     # robosuite sets its logger's level when it is imported; a filter stays.
@@ -25,10 +29,12 @@ def make_stock_environment(
         warnings.simplefilter("ignore", SyntaxWarning)
         import robosuite
 
-    chosen = lfr.tasks.task(task)
+    chosen, body = lfr.tasks.task(task), embodiment_named(embodiment)
+    mend_gripper(body.gripper)
     return robosuite.make(
         chosen.stock_name,
-        robots=lfr.robots.robot(robot).stock_name,
+        robots=body.robot.stock_name,
+        controller_configs=body.stock_config,
         has_renderer=False,
         has_offscreen_renderer=False,
         use_camera_obs=False,
@@ -43,6 +49,11 @@ def make_stock_environment(
     )
 
 
+def repaired_xml(environment: Any, robot: Robot) -> str:
+    """robosuite's MJCF of an environment, with what is broken in it mended."""
+    return robot.repaired(environment.edit_model_xml(environment.model.get_xml()))
+
+
 def _errors_only(record: logging.LogRecord) -> bool:
     return record.levelno >= logging.ERROR
 
@@ -50,45 +61,39 @@ def _errors_only(record: logging.LogRecord) -> bool:
 class StockSimulation:
     """One arm in one task on stock robosuite 1.5.2, observed as this project observes it.
 
-    Two departures from stock: Sawyer's contact with its own base is excluded
-    (`Robot.excluded_contacts`), and the controller is told to read the state afresh after a reset,
+    Two departures from stock: what is broken in robosuite's models is mended (`lfr.robots.repair`,
+    `lfr.sim.stock_grippers`), and the controller is told to read the state afresh after a reset,
     where stock would use a stale mass matrix during the first substep.
 
     Observations are taken from the joint positions after a step. Stock's own observables, its
     reward and its success check lag them by one substep of 2 ms; reward and success are stock's.
 
     Args:
-        robot, task: names.
+        embodiment, task: names.
         object_observation: have robosuite observe the objects too; nothing here reads it.
 
     Raises:
-        UnknownNameError: unknown robot or task.
+        UnknownNameError: unknown embodiment or task.
     """
 
-    def __init__(self, robot: str, task: str, *, object_observation: bool = False) -> None:
-        self.robot = lfr.robots.robot(robot)
+    def __init__(self, embodiment: str, task: str, *, object_observation: bool = False) -> None:
+        self.embodiment = embodiment_named(embodiment)
+        self.robot = self.embodiment.robot
         self.task = lfr.tasks.task(task)
-        self.layout = ObservationLayout.of(self.task)
+        self.layout = self.task.observation
         self.horizon = self.task.horizon
         # Lift draws its cube's size only when the model is built anew.
         self._env = make_stock_environment(
-            robot,
+            embodiment,
             task,
             hard_reset=self.task.name == "lift",
             object_observation=object_observation,
         )
-        self._env._xml_processors.append(self._exclude_contacts)
-        # The first soft reset would still use the model built without the exclusion.
+        self._env._xml_processors.append(self.robot.repaired)
+        # The first soft reset would still use the model built without the repairs.
         self._env._load_model()
         self._env._initialize_sim()
         self.reset(0)
-
-    def _exclude_contacts(self, xml: str) -> str:
-        pairs = "".join(
-            f'<exclude body1="{first}" body2="{second}"/>'
-            for first, second in self.robot.excluded_contacts
-        )
-        return xml.replace("</mujoco>", f"<contact>{pairs}</contact></mujoco>") if pairs else xml
 
     @property
     def _model(self) -> Any:
@@ -111,10 +116,10 @@ class StockSimulation:
         return self.observation()
 
     def step(self, actions: ArrayLike, stop_on_success: bool = False) -> Steps:
-        """Apply `actions` (H, 7) one control step each; stop early at success if asked to."""
+        """Apply `actions` (H, A) one control step each; stop early at success if asked to."""
         observations, rewards, successes = [], [], []
-        diverged = False
-        for action in np.asarray(actions, dtype=np.float64).reshape(-1, 7):
+        diverged, size = False, self.embodiment.action.size
+        for action in np.asarray(actions, dtype=np.float64).reshape(-1, size):
             _, reward, _, _ = self._env.step(action)
             rewards.append(float(reward))
             successes.append(bool(self._env._check_success()))
@@ -130,18 +135,18 @@ class StockSimulation:
         )
 
     def observation(self) -> NDArray[np.float64]:
-        """The current observation (D,), in the base frame; see `lfr.sim.layout`."""
+        """The current observation (D,), in the base frame; see `lfr.tasks.Task.observation`."""
         import mujoco
 
         mujoco.mj_kinematics(self._model, self._data)
         return np.concatenate([self._state(), self._environment_state()])
 
     def joint_position(self) -> NDArray[np.float64]:
-        """(7,) rad."""
+        """(N,) rad."""
         return np.array([self._data.joint(name).qpos[0] for name in self.robot.joints])
 
     def joint_velocity(self) -> NDArray[np.float64]:
-        """(7,) rad/s."""
+        """(N,) rad/s."""
         return np.array([self._data.joint(name).qvel[0] for name in self.robot.joints])
 
     def body_poses(self) -> dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]:
@@ -163,14 +168,17 @@ class StockSimulation:
         import mujoco
 
         data, nq, nv = self._data, self._model.nq, self._model.nv
-        parts = np.split(np.asarray(state, dtype=np.float64), np.cumsum([nq, nv, nv, 7, 1]))
+        lengths = [nq, nv, nv, len(self.robot.joints), 1]
+        parts = np.split(np.asarray(state, dtype=np.float64), np.cumsum(lengths))
         data.qpos[:], data.qvel[:] = parts[0], parts[1]
         mujoco.mj_forward(self._model, data)
         data.qacc_warmstart[:] = parts[2]
         controller = self._arm.part_controllers["right"]
         controller.initial_joint = parts[3].copy()
         controller.new_update = True
-        self._arm.gripper["right"].current_action = parts[4] * np.array(self.robot.close_signs)
+        self._arm.gripper["right"].current_action = parts[4] * np.array(
+            self.robot.gripper.close_signs
+        )
         self._model.geom_size[self._first_geom()] = parts[5]
 
     def _first_geom(self) -> int:
@@ -179,7 +187,13 @@ class StockSimulation:
 
     def _gripper_command(self) -> float:
         command = np.asarray(self._arm.gripper["right"].current_action, dtype=np.float64)
-        return float(np.broadcast_to(command, 2)[0] * self.robot.close_signs[0]) + 0.0
+        return (
+            float(
+                np.broadcast_to(command, len(self.robot.gripper.close_signs))[0]
+                * self.robot.gripper.close_signs[0]
+            )
+            + 0.0
+        )
 
     def _base(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         body = self._data.body(self.robot.base_body)
@@ -187,43 +201,48 @@ class StockSimulation:
 
     def _eef(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         origin, axes = self._base()
-        site = self._data.site(self.robot.grip_site)
+        site = self._data.site(self.robot.gripper.grip_site)
         return axes.T @ (site.xpos - origin), axes.T @ site.xmat.reshape(3, 3)
-
-    def _body(self, name: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        origin, axes = self._base()
-        body = self._data.body(name)
-        return axes.T @ (body.xpos - origin), axes.T @ body.xmat.reshape(3, 3)
 
     def _state(self) -> NDArray[np.float64]:
         position, rotation = self._eef()
-        first, second = (self._data.joint(name).qpos[0] for name in self.robot.finger_joints)
-        aperture = first - second + self.robot.pad_gap_at_zero
         rot6d = rotation[:, :2].T.ravel()
-        return np.concatenate([position, rot6d, [aperture, self._gripper_command()]])
+        return np.concatenate([position, rot6d, [self._aperture(), self._gripper_command()]])
+
+    def _aperture(self) -> float:
+        gripper = self.robot.gripper
+        closing = self._data.site(gripper.grip_site).xmat.reshape(3, 3)[:, 0]
+        faces = []
+        for names in (gripper.left_pads, gripper.right_pads):
+            along = np.mean([self._data.geom(name).xpos @ closing for name in names])
+            depth = np.mean([self._model.geom(name).size.min() for name in names])
+            faces.append((along, depth))
+        (left, left_depth), (right, right_depth) = faces
+        return float(abs(left - right) - left_depth - right_depth)
 
     def _environment_state(self) -> NDArray[np.float64]:
-        eef, rotation = self._eef()
-        position, axes = self._body(next(iter(self.task.objects.values())))
-        parts = [position, axes[:, 2], position - eef]
-        match self.task.name:
-            case "lift":
-                parts += [_yaw(axes, rotation, 4)]
-            case "stack":
-                other, _ = self._body(self.task.objects["cubeB"])
-                parts += [_yaw(axes, rotation, 4), other, other - position]
-            case "pick_place":
-                origin, base = self._base()
-                target = base.T @ (self._env.target_bin_placements[self._env.object_id] - origin)
-                parts += [target - position]
-            case "nut_assembly":
-                origin, base = self._base()
-                handle = self._env.nuts[0].important_sites["handle"]
-                handle = base.T @ (self._data.site(handle).xpos - origin)
-                peg, peg_axes = self._body("peg1")
-                parts += [_yaw(axes, rotation, 2), handle - eef]
-                parts += [peg - position, _yaw(axes, peg_axes, 4)]
-        return np.concatenate(parts)
+        return np.concatenate([self._term(term) for term in self.task.terms])
+
+    def _term(self, term: Term) -> NDArray[np.float64]:
+        position, axes = self._place(term.to)
+        if term.kind == observation.POSITION:
+            return position
+        if term.kind == observation.AXIS:
+            return axes[:, 2]
+        origin, reference = self._place(term.origin)
+        if term.kind == observation.DISPLACEMENT:
+            return position - origin
+        return _yaw(axes, reference, term.quantity.fold)
+
+    def _place(self, place: Place) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Position (3,) and rotation matrix (3, 3) in the base frame."""
+        if place == EEF:
+            return self._eef()
+        origin, axes = self._base()
+        if place.kind == "point":
+            return axes.T @ (self.task.points(self._env)[place.name] - origin), np.eye(3)
+        found = (self._data.body if place.kind == "body" else self._data.site)(place.name)
+        return axes.T @ (found.xpos - origin), axes.T @ found.xmat.reshape(3, 3)
 
 
 def _yaw(

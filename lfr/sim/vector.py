@@ -32,13 +32,13 @@ Array = NDArray[Any]
 
 
 class VectorEnvironment(gymnasium.vector.VectorEnv[Array, Array, Array]):
-    """`num_envs` environments of one robot in one task.
+    """`num_envs` environments of one embodiment in one task.
 
     An episode whose physics diverges ends ("terminated", `info["diverged"]`); the others go on.
 
     Args:
         num_envs: how many.
-        robot, task, reward: as for `lfr.sim.environment.Environment`.
+        embodiment, task, reward: as for `lfr.sim.environment.Environment`.
         max_episode_steps: control steps after which an episode is cut; the task's horizon if None.
         threads: at most so many at a time; every core of this process if None.
     """
@@ -51,18 +51,18 @@ class VectorEnvironment(gymnasium.vector.VectorEnv[Array, Array, Array]):
     def __init__(
         self,
         num_envs: int,
-        robot: str,
+        embodiment: str,
         task: str,
         reward: Reward = "dense",
         max_episode_steps: int | None = None,
         threads: int | None = None,
         render_mode: None = None,
     ) -> None:
-        self._batch = Batch(robot, task, num_envs, threads)
+        self._batch = Batch(embodiment, task, num_envs, threads)
         self._reward: Reward = checked_reward(reward)
         self._limit = max_episode_steps or self._batch.horizon
         self.num_envs = num_envs
-        self.single_action_space = action_space()
+        self.single_action_space = action_space(self._batch.embodiment)
         self.single_observation_space = observation_space(self._batch.layout)
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.observation_space = batch_space(self.single_observation_space, num_envs)

@@ -10,8 +10,9 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+import lfr.embodiments
 import lfr.tasks
-from lfr.sim.stock import make_stock_environment
+from lfr.sim.stock import make_stock_environment, repaired_xml
 
 GROUP, OUT_OF_SIGHT = 1, 5
 """robosuite draws group 1 of the geoms and hides group 0, the collision geoms; 5 is unused."""
@@ -19,14 +20,15 @@ GROUP, OUT_OF_SIGHT = 1, 5
 _ROBOT = ("robot0_", "gripper0_", "fixed_mount0_")
 
 
-def visual_model(robot: str, task: str) -> Any:
+def visual_model(embodiment: str, task: str) -> Any:
     """robosuite's model with its visual geoms, without the objects that it parks elsewhere.
 
     Raises:
-        UnknownNameError: unknown robot or task.
+        UnknownNameError: unknown embodiment or task.
     """
-    environment = make_stock_environment(robot, task, hard_reset=False)
-    spec = mujoco.MjSpec.from_string(environment.edit_model_xml(environment.model.get_xml()))
+    environment = make_stock_environment(embodiment, task, hard_reset=False)
+    robot = lfr.embodiments.embodiment(embodiment).robot
+    spec = mujoco.MjSpec.from_string(repaired_xml(environment, robot))
     for name in lfr.tasks.task(task).unused_objects:
         spec.delete(spec.body(name))
     # Multisampling takes half of a software renderer's time; at this size it is hardly seen.

@@ -10,7 +10,6 @@ from lfr.data.external import selected
 from lfr.errors import DataError
 from lfr.external import ExternalArm
 from lfr.scenarios import Scenario, transfers_of
-from lfr.sim.layout import ObservationLayout
 from lfr.tasks import TASKS
 
 
@@ -46,8 +45,7 @@ def check_arms(scenario: Scenario, arms: Mapping[str, ExternalArm]) -> None:
 def _names(robot: str, task: str, arms: Mapping[str, ExternalArm]) -> tuple[str, ...]:
     if robot in arms:
         return selected(arms[robot], task).observation_names
-    layout = ObservationLayout.of(TASKS[task])
-    return (*layout.state_names, *layout.environment_names)
+    return TASKS[task].observation.names
 
 
 def _compare(

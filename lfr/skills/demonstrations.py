@@ -12,13 +12,13 @@ from torch import Tensor
 from lfr.artifacts import file_hash
 from lfr.columns import ActionSpace
 from lfr.data.checks import check_dataset
-from lfr.data.episode import FPS, JOINT_POSITION, features
+from lfr.data.episode import FPS, JOINT_POSITION, features_of
 from lfr.data.external import read_external
 from lfr.data.windows import DemonstrationSet, WindowBatch, Windows, read_dataset
+from lfr.embodiments import embodiment
 from lfr.errors import DataError
 from lfr.external import ExternalArm
 from lfr.scenarios import Role, Scenario, check_visible
-from lfr.sim.layout import ObservationLayout
 from lfr.tasks import task as task_named
 
 DATASETS = Path("data/lerobot")
@@ -140,8 +140,7 @@ def read_demonstrations(
 
 
 def _read_recorded(path: Path, robot: str, task: str) -> DemonstrationSet:
-    layout = ObservationLayout.of(task_named(task))
-    expected = features(layout.state_names, layout.environment_names)
+    expected = features_of(embodiment(robot), task_named(task))
     # Joint names differ by robot, and nothing here learns from them.
     needed = {key: f for key, f in expected.items() if key != JOINT_POSITION}
     check_dataset(path, features=needed, fps=FPS, robot=robot, task=task)

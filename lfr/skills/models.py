@@ -105,7 +105,8 @@ def fit_vae(spec: VAETraining) -> dict[str, Any]:
     demonstrations = _read(spec, spec.tasks)
     seed = model_seed(spec)
     windows = {task: known.training.actions for task, known in demonstrations.items()}
-    vae = train_vae(balanced(windows, seed), spec.params.vae, seed)
+    names = next(iter(demonstrations.values())).actions.names
+    vae = train_vae(balanced(windows, seed), names, spec.params.vae, seed)
     save_vae(spec.models.vae, vae, _seen(spec.robot, demonstrations, seed))
     return {
         "tasks": spec.tasks,
@@ -121,7 +122,8 @@ def fit_prior(spec: PriorTraining) -> dict[str, Any]:
     vae, params = load_vae(spec.vae.models.vae), spec.vae.params.prior
     seed = model_seed(spec.vae, spec.task)
     start, actions = known.training.observations, known.training.actions
-    prior = train_prior(vae, start, actions, known.names, params, seed)
+    names = known.actions.names
+    prior = train_prior(vae, start, actions, known.names, names, params, seed)
     seen = _seen(spec.vae.robot, demonstrations, seed)
     save_prior(spec.vae.models.prior(spec.task), prior, seen)
     return {

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import torch
 from torch import Tensor
 
+from lfr.skills.artifacts import load_prior, load_vae
 from lfr.skills.vae import SkillVAE
 
 Distribution = tuple[Tensor, Tensor]
@@ -28,6 +30,9 @@ class SkillPolicy:
     prior: Callable[[Tensor], Distribution]
     translate: Callable[[Tensor, Tensor], Distribution]
     decoder: SkillVAE
+
+    def reset(self, seed: int) -> None:
+        """Nothing is remembered and nothing drawn."""
 
     @torch.inference_mode()
     def act(self, observation: np.ndarray) -> np.ndarray:
@@ -52,3 +57,27 @@ def recoded(source: SkillVAE, target: SkillVAE) -> Callable[[Tensor, Tensor], Di
         return target.encode(source.decode(mu))
 
     return translate
+
+
+@dataclass(frozen=True)
+class SkillFiles:
+    """A skill prior and the decoder that acts.
+
+    Attributes:
+        prior: folder of the skill prior.
+        decoder: folder of the skill VAE whose decoder acts.
+        encoder: folder of the skill VAE of the prior's own arm, if its decoded actions are to be
+            encoded again by ``decoder``'s encoder.
+    """
+
+    prior: str
+    decoder: str
+    encoder: str | None = None
+
+    def load(self) -> SkillPolicy:
+        """Raises DataError where a folder holds no such model, or a damaged one."""
+        decoder = load_vae(Path(self.decoder))
+        translate = untranslated
+        if self.encoder is not None:
+            translate = recoded(load_vae(Path(self.encoder)), decoder)
+        return SkillPolicy(load_prior(Path(self.prior)), translate, decoder)

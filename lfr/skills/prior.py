@@ -10,28 +10,7 @@ from torch import Tensor, nn
 
 from lfr.skills.gaussian import kl_divergence
 from lfr.skills.vae import LOG_SIGMA_RANGE
-
-# An input that hardly varies in the demonstrations (an orientation, a gripper that is always open
-# at the start) must not be blown up to unit variance: the other arm will leave that narrow range.
-# Floors under the standard deviation, by the end of an input's name: metres, or no unit.
-STD_FLOORS = {
-    "rot6d": 0.2,
-    "up": 0.2,
-    "yaw": 0.3,
-    "command": 0.3,
-    "aperture": 0.01,
-}
-POSITION_STD_FLOOR = 0.05
-
-
-def std_floor(name: str) -> float:
-    """The floor under the standard deviation of the input called ``name``."""
-    quantity = name.split(".")[0]
-    for suffix, floor in STD_FLOORS.items():
-        if quantity.endswith(suffix):
-            return floor
-    return POSITION_STD_FLOOR
-
+from lfr.spaces import space
 
 # Distances to a goal vary over decimetres and decide at millimetres (the nut's hole leaves 6.75 mm
 # around the peg), so they enter twice: as they are, and magnified near zero.
@@ -41,11 +20,6 @@ FINE_SCALE = 0.01
 # Likewise the tilt of a hand that should point straight down, in rad. It is a cross product of the
 # rotation's columns, which a small network that sees tilts of a few hundredths hardly finds.
 TILT_SCALE = 0.1
-
-
-def is_distance(name: str) -> bool:
-    """Whether an input is a component of a vector that is to be brought to zero."""
-    return "_to_" in name
 
 
 class Normalizer(nn.Module):
@@ -65,9 +39,10 @@ class Normalizer(nn.Module):
         super().__init__()
         self.register_buffer("mean", torch.zeros(len(names)))
         self.register_buffer("std", torch.ones(len(names)))
-        places = [place for place, name in enumerate(names) if is_distance(name)]
+        each = space(names).each()
+        places = [place for place, quantity in enumerate(each) if quantity.to_zero]
         self.register_buffer("distances", torch.tensor(places, dtype=torch.long), persistent=False)
-        columns = [place for place, name in enumerate(names) if "_rot6d." in name]
+        columns = [place for place, quantity in enumerate(each) if quantity.moves == "rotation"]
         rotations = torch.tensor(columns, dtype=torch.long).reshape(-1, 2, 3)
         self.register_buffer("rotations", rotations, persistent=False)
         self.size = len(names) + len(places) + 2 * len(rotations)
@@ -75,7 +50,7 @@ class Normalizer(nn.Module):
     @torch.no_grad()
     def fit(self, observations: Tensor, names: Sequence[str]) -> None:
         """Take mean and floored standard deviation from observations (N, D) named ``names``."""
-        floors = torch.tensor([std_floor(name) for name in names])
+        floors = torch.tensor([quantity.std_floor for quantity in space(names).each()])
         self.mean.copy_(observations.mean(0))
         self.std.copy_(torch.maximum(observations.std(0), floors))
 

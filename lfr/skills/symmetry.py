@@ -1,22 +1,24 @@
 """Demonstrations seen from elsewhere: the whole scene turned, mirrored and shifted.
 
 Under Cartesian control an arm's task looks the same in a scene that is turned about the vertical,
-mirrored, or shifted, up to its reach: the demonstrator would do the turned, mirrored actions. So
-fifty demonstrations tell more than fifty, and a prior cannot learn an episode by heart from where
-its objects stand. It does not hold for joint-space actions or asymmetric hands.
+mirrored, or shifted, up to its reach: the demonstrator would do the turned, mirrored actions. Under
+joint control it would do the same actions in a scene that is turned, and nothing is known of the
+other two. So fifty demonstrations tell more than fifty, and a prior cannot learn an episode by
+heart from where its objects stand. It does not hold for asymmetric hands.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import torch
 from torch import Tensor
 
 from lfr.errors import LfrError
 from lfr.skills.rows import MOST_ROWS
+from lfr.spaces import space
 
 
 @dataclass(frozen=True)
@@ -35,14 +37,19 @@ class SymmetryParams:
 
 @dataclass(frozen=True)
 class SceneMotion:
-    """One motion per row: turn by ``angle`` (B,), after a mirror y -> -y where ``mirror`` is -1.
+    """One motion per row.
 
-    ``shift`` (B, 3) moves every position, in metres.
+    Attributes:
+        angle: (B,) rad, of a turn about the base's vertical.
+        mirror: (B,) -1 for a mirror y -> -y before it, else 1.
+        shift: (B, 3) m, by which every position moves after it.
+        turns_alone: whether nothing is mirrored or shifted.
     """
 
     angle: Tensor
     mirror: Tensor
     shift: Tensor
+    turns_alone: bool = False
 
     @classmethod
     def draw(cls, count: int, params: SymmetryParams, generator: torch.Generator) -> SceneMotion:
@@ -51,75 +58,92 @@ class SceneMotion:
         mirror = torch.where(flip, -1.0, 1.0) if params.mirror else torch.ones(count)
         shift = params.shift * (2.0 * torch.rand(count, 3, generator=generator) - 1.0)
         shift[:, 2] *= 0.5  # bases stand at different heights above their tables
-        return cls(angle, mirror, shift)
+        return cls(angle, mirror, shift, not params.mirror and params.shift == 0.0)
 
     def vectors(self, vectors: Tensor) -> Tensor:
         """Directions and distances (B, ..., 3) after the motion."""
-        angle, mirror = (self._beside(value, vectors) for value in (self.angle, self.mirror))
+        angle, mirror = (self._per_row(value, vectors) for value in (self.angle, self.mirror))
         x, y, z = vectors.unbind(-1)
         cos, sin, y = torch.cos(angle), torch.sin(angle), mirror * y
         return torch.stack([cos * x - sin * y, sin * x + cos * y, z], dim=-1)
 
     def rotations(self, rotation_vectors: Tensor) -> Tensor:
         """Rotation vectors (B, ..., 3): axial, so a mirror turns them the other way round."""
-        mirror = self._beside(self.mirror, rotation_vectors)
+        mirror = self._per_row(self.mirror, rotation_vectors)
         return self.vectors(rotation_vectors) * mirror[..., None]
 
     @staticmethod
-    def _beside(value: Tensor, vectors: Tensor) -> Tensor:
+    def _per_row(value: Tensor, vectors: Tensor) -> Tensor:
         return value.reshape(-1, *[1] * (vectors.dim() - 2))
 
 
-def move_actions(actions: Tensor, motion: SceneMotion) -> Tensor:
-    """OSC_POSE actions (B, H, 7) in the moved scene, within [-1, 1]."""
-    translation = motion.vectors(actions[..., :3])
-    rotation = motion.rotations(actions[..., 3:6])
-    return torch.cat([translation, rotation, actions[..., 6:]], dim=-1).clamp(-1.0, 1.0)
-
-
-def move_observations(observations: Tensor, names: Sequence[str], motion: SceneMotion) -> Tensor:
-    """Observations (B, D), named as by `lfr.sim.layout.ObservationLayout`, in the moved scene.
+def move(vectors: Tensor, names: Sequence[str], motion: SceneMotion) -> Tensor:
+    """Observations or actions (B, ..., D), their dimensions called ``names``, in the moved scene.
 
     Raises:
-        LfrError: a quantity whose behaviour under motion is not known by its name.
+        LfrError: a quantity of which it is not known how it moves.
     """
-    moved = observations.clone()
-    groups: dict[str, list[int]] = {}
-    for place, name in enumerate(names):
-        groups.setdefault(name.split(".")[0], []).append(place)
-    for group, places in groups.items():
-        values = observations[:, places]
-        if group.endswith("_rot6d"):
-            columns = motion.vectors(values.reshape(-1, 2, 3))
-            # A mirror image of a frame is left-handed; the hand is symmetric, so its y axis turns.
-            columns[:, 1] = columns[:, 1] * motion.mirror[:, None]
-            moved[:, places] = columns.reshape(-1, 6)
-        elif group.endswith("_pos"):
-            moved[:, places] = motion.vectors(values) + motion.shift
-        elif group.endswith("_up") or "_to_" in group:
-            moved[:, places] = motion.vectors(values)
-        elif group.endswith("_yaw"):  # relative angles: unchanged by a turn, reversed by a mirror
-            moved[:, places[1]] = values[:, 1] * motion.mirror
-        elif not group.startswith("gripper_"):
-            raise LfrError(f"how does {group!r} move with the scene? lfr.skills.symmetry knows not")
+    moved = vectors.clone()
+    for quantity, place in space(names).items():
+        values = vectors[..., place]
+        match quantity.moves:
+            case "point":
+                moved[..., place] = motion.vectors(values) + motion.shift
+            case "vector":
+                moved[..., place] = motion.vectors(values)
+            case "axial":
+                moved[..., place] = motion.rotations(values)
+            case "rotation":
+                columns = motion.vectors(values.unflatten(-1, (2, 3)))
+                # A mirror image of a frame is left-handed; the hand is symmetric, so its y axis
+                # turns.
+                columns[..., 1, :] = columns[..., 1, :] * motion.mirror[:, None]
+                moved[..., place] = columns.flatten(-2)
+            case "relative angle":  # unchanged by a turn, reversed by a mirror
+                moved[..., place.start + 1] = values[..., 1] * motion.mirror
+            case "not at all":
+                pass
+            case "with the base" if motion.turns_alone:
+                pass
+            case _:
+                raise LfrError(f"how {quantity.name!r} moves with the scene is not known")
     return moved
+
+
+def move_actions(actions: Tensor, names: Sequence[str], motion: SceneMotion) -> Tensor:
+    """Actions (B, H, A) in the moved scene, within [-1, 1]."""
+    return move(actions, names, motion).clamp(-1.0, 1.0)
+
+
+def suited(params: SymmetryParams, names: Sequence[str]) -> SymmetryParams:
+    """What is known of how an action moves with the scene, of what ``params`` asks for.
+
+    Joint motions stay as they are where the scene is turned about the vertical of a base whose
+    first joint is vertical, as every arm's here is; nothing else is known of them.
+    """
+    moves = {quantity.moves for quantity in space(names).quantities}
+    if "unknown" in moves:
+        return AS_RECORDED
+    return replace(params, shift=0.0, mirror=False) if "with the base" in moves else params
 
 
 def moved_copies(
     observations: Tensor,
     actions: Tensor,
     names: Sequence[str],
+    action_names: Sequence[str],
     params: SymmetryParams,
     generator: torch.Generator,
 ) -> tuple[Tensor, Tensor]:
-    """The windows (N, D), (N, H, 7) and moved copies of each after them."""
+    """The windows (N, D), (N, H, A) and moved copies of each after them."""
+    params = suited(params, action_names)
     copies = params.copies_of(len(observations))
     if copies == 0:
         return observations, actions
     many_o, many_a = observations.repeat(copies, 1), actions.repeat(copies, 1, 1)
     motion = SceneMotion.draw(len(many_o), params, generator)
-    seen = torch.cat([observations, move_observations(many_o, names, motion)])
-    done = torch.cat([actions, move_actions(many_a, motion)])
+    seen = torch.cat([observations, move(many_o, names, motion)])
+    done = torch.cat([actions, move_actions(many_a, action_names, motion)])
     return seen, done
 
 
@@ -132,7 +156,7 @@ def moved_states(
         return observations
     many = observations.repeat(copies, 1)
     motion = SceneMotion.draw(len(many), params, generator)
-    return torch.cat([observations, move_observations(many, names, motion)])
+    return torch.cat([observations, move(many, names, motion)])
 
 
 AS_RECORDED = SymmetryParams(copies=0, turn=0.0, shift=0.0, mirror=False)

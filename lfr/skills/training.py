@@ -14,8 +14,8 @@ from lfr.skills.symmetry import moved_copies
 from lfr.skills.vae import SkillVAE, vae_loss
 
 
-def train_vae(actions: Tensor, params: VAEParams, seed: int) -> SkillVAE:
-    """A skill VAE of action windows (N, H, A) in [-1, 1], all tasks together.
+def train_vae(actions: Tensor, names: Sequence[str], params: VAEParams, seed: int) -> SkillVAE:
+    """A skill VAE of action windows (N, H, A) in [-1, 1], named ``names``, all tasks together.
 
     Every task counts alike only if its windows do: give it as many as it should weigh.
     """
@@ -30,7 +30,7 @@ def train_vae(actions: Tensor, params: VAEParams, seed: int) -> SkillVAE:
     for _ in range(params.steps):
         batch = actions[torch.randint(len(actions), (params.batch,), generator=generator)]
         if augmented:
-            batch = torch.cat([augment(batch[:augmented], generator), batch[augmented:]])
+            batch = torch.cat([augment(batch[:augmented], names, generator), batch[augmented:]])
         loss, _ = vae_loss(vae, batch, params.alpha)
         _descend(optimizer, loss, vae)
         schedule.step()
@@ -42,6 +42,7 @@ def train_prior(
     observations: Tensor,
     actions: Tensor,
     names: Sequence[str],
+    action_names: Sequence[str],
     params: PriorParams,
     seed: int,
 ) -> SkillPrior:
@@ -49,12 +50,14 @@ def train_prior(
 
     Args:
         observations: (N, D), where the windows start, in the units of the layout ``names``.
-        actions: (N, H, A), the windows.
+        actions: (N, H, A), the windows, whose dimensions are called ``action_names``.
     """
     torch.manual_seed(seed)
     generator = torch.Generator().manual_seed(seed)
     prior = SkillPrior(names, vae.latent_dim, params.hidden, params.layers)
-    observations, actions = moved_copies(observations, actions, names, params.symmetry, generator)
+    observations, actions = moved_copies(
+        observations, actions, names, action_names, params.symmetry, generator
+    )
     prior.normalizer.fit(observations, names)
     mu_z, log_sigma_z = vae.encode_all(actions)
     optimizer = torch.optim.AdamW(

@@ -60,6 +60,9 @@ class SkillActor:
     decoder: Decoder
     distribution: Distribution = GAUSSIAN
 
+    def reset(self, seed: int) -> None:
+        """Nothing is remembered; what `act` does is not drawn."""
+
     @torch.no_grad()
     def choose(self, observations: Tensor, generator: torch.Generator | None = None) -> Choice:
         """Skills for observations (B, D): a sample with a generator, the mean without."""

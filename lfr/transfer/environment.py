@@ -3,34 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple, Protocol
+from typing import Literal, NamedTuple, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
+from lfr.policies import Array, Simulated
+from lfr.sim.steps import Steps
 
 
-class Steps(Protocol):
-    """What n executed control steps gave (`lfr.sim.layout.Steps`)."""
+class Resumable(Simulated, Protocol):
+    """A simulation that can go on from a state that it was in."""
 
-    @property
-    def observations(self) -> Array: ...  # (n, D) after each step
-    @property
-    def rewards(self) -> Array: ...  # (n,) dense
-    @property
-    def successes(self) -> NDArray[np.bool_]: ...  # (n,)
-    @property
-    def diverged(self) -> bool: ...
-
-
-class Simulated(Protocol):
-    """One arm in one task (`lfr.sim.Simulation`, `lfr.sim.stock.StockSimulation`)."""
-
-    horizon: int  # control steps of an episode
-
-    def reset(self, seed: int, /) -> Array: ...
-    def step(self, actions: Array, /, stop_on_success: bool = False) -> Any: ...
     def state(self) -> Array: ...
     def set_state(self, state: Array, /) -> None: ...
 
@@ -75,7 +56,7 @@ class Outcome(NamedTuple):
 class RunningEpisode:
     """An episode between two skills; ``start`` begins the next one in the same simulation."""
 
-    simulation: Simulated
+    simulation: Resumable
     seed: int = 0
     observation: Array = None  # type: ignore[assignment]  # set by start or restore
     length: int = 0  # control steps so far
@@ -89,7 +70,7 @@ class RunningEpisode:
     def execute(self, actions: Array, rule: RewardRule) -> Outcome:
         """Execute a skill's actions (H, A), cut at the time limit."""
         left = self.simulation.horizon - self.length
-        steps: Steps = self.simulation.step(actions[:left], stop_on_success=rule.stop_on_success)
+        steps = self.simulation.step(actions[:left], stop_on_success=rule.stop_on_success)
         count = len(steps.rewards)
         self.length += count
         if steps.diverged or count == 0:

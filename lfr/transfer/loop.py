@@ -23,10 +23,10 @@ from lfr.artifacts import as_json
 from lfr.errors import LfrError
 from lfr.transfer.actor import as_tensor
 from lfr.transfer.checkpoint import load_checkpoint, save_checkpoint
-from lfr.transfer.environment import Array, Outcome, RewardRule, RunningEpisode, Simulated
+from lfr.transfer.environment import Array, Outcome, Resumable, RewardRule, RunningEpisode
 from lfr.transfer.learner import Learner
 from lfr.transfer.means import Means
-from lfr.transfer.methods.start import Start
+from lfr.transfer.methods.initialization import Initialization
 from lfr.transfer.observer import CurvePoint, EpisodeRecord, Observer
 from lfr.transfer.params import TransferParams
 from lfr.transfer.replay import Batch, Replay
@@ -49,7 +49,7 @@ class TransferLoop:
     """A learning run of one method on one target task.
 
     Args:
-        start: policy, frozen prior, decoder and normalizer (`lfr.transfer.methods`).
+        initialization: policy, frozen prior, decoder and normalizer (`lfr.transfer.methods`).
         simulations: of the target arm and task, ``params.simulations`` of them.
         seed: of the run; with it, everything is determined.
         work: where checkpoints are kept; None keeps none.
@@ -62,8 +62,8 @@ class TransferLoop:
 
     def __init__(
         self,
-        start: Start,
-        simulations: Sequence[Simulated],
+        initialization: Initialization,
+        simulations: Sequence[Resumable],
         params: TransferParams,
         seed: int,
         work: Path | None = None,
@@ -71,24 +71,25 @@ class TransferLoop:
     ) -> None:
         if len(simulations) != params.simulations:
             raise LfrError(f"found {len(simulations)} simulations, expected {params.simulations}")
-        self.actor, self.params, self.seed, self.work = start.actor, params, seed, work
+        self.actor, self.params, self.seed, self.work = initialization.actor, params, seed, work
+        size, latent_dim = len(initialization.layout_names), initialization.latent_dim
         self.observer = observer or Observer()
         self.rule = RewardRule(params.reward, params.dense_scale)
         self.generator = torch.Generator().manual_seed(seed)
         with torch.random.fork_rng(devices=[]):
             torch.manual_seed(seed)  # the critics' initial weights
             self.learner = Learner(
-                start.actor.policy, start.normalizer, len(start.layout_names), start.latent_dim,
-                params, self.generator, start.actor.distribution,
+                self.actor.policy, initialization.normalizer, size, latent_dim, params,
+                self.generator, self.actor.distribution,
             )  # fmt: skip
-        self.replay = Replay(params.replay, len(start.layout_names), start.latent_dim)
+        self.replay = Replay(params.replay, size, latent_dim)
         self.progress = Progress()
         self.worker = ThreadPoolExecutor(1, "acting")
         self._began, self._before = time.perf_counter(), 0.0
         self.curve: list[CurvePoint] = []
         self.means = Means()  # since the last evaluation
         self.identity = as_json(
-            {"params": as_json(params), "seed": seed, "layout": start.layout_names}
+            {"params": as_json(params), "seed": seed, "layout": initialization.layout_names}
         )
         self.episodes = [RunningEpisode(simulation) for simulation in simulations]
         if not self._resume():

@@ -2,44 +2,33 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from lfr.ablations.other_task import OTHER_TASK
 from lfr.artifacts import as_json, save_model
-from lfr.mapping.artifacts import GENERATOR
-from lfr.models import ModelKind, read_model
-from lfr.skills.artifacts import PRIOR, VAE
-from lfr.transfer.actor import OneAction, SkillActor
+from lfr.models import read_model
+from lfr.transfer.actor import SkillActor
 from lfr.transfer.distribution import GAUSSIAN, distribution
-from lfr.transfer.policy import IdentityMap, MappedPolicy, StandardNormal
-from lfr.transfer.residual_prior import ResidualPriorPolicy
+from lfr.transfer.network_kinds import network_kind
+from lfr.transfer.policy import MappedPolicy
 
 KIND = "transferred_policy"
-# The networks that an actor consists of.
-PARTS: dict[str, ModelKind[Any]] = {
-    kind.network.__name__: kind
-    for kind in (
-        PRIOR,
-        GENERATOR,
-        VAE,
-        OTHER_TASK,
-        ModelKind("residual_prior_policy", ResidualPriorPolicy, OTHER_TASK.shape),
-        ModelKind("identity_map", IdentityMap, ()),
-        ModelKind("standard_normal", StandardNormal, ("latent_dim",)),
-        ModelKind("one_action", OneAction, ("latent_dim",)),
-    )
-}
 
 
 def save_policy(folder: Path, actor: SkillActor, about: dict[str, Any]) -> None:
-    """Policy, frozen prior and decoder, with ``about`` (robot, task, method, parameters, ...)."""
+    """Policy, frozen prior and decoder, with ``about`` (robot, task, method, parameters, ...).
+
+    Raises:
+        DataError: a network of a kind that is not known (`lfr.transfer.network_kinds`).
+    """
     networks = _networks(actor)
     shapes = {}
     tensors = {}
     for name, network in networks.items():
         kind = type(network).__name__
-        shapes[name] = {"class": kind, "shape": PARTS[kind].shape_of(network)}
+        shape = network_kind(kind, folder / "config.json").shape_of(network)
+        shapes[name] = {"class": kind, "shape": shape}
         tensors |= {f"{name}.{key}": value for key, value in network.state_dict().items()}
     config = {"kind": KIND, "about": as_json(about), "networks": shapes}
     if actor.distribution != GAUSSIAN:
@@ -53,17 +42,29 @@ def load_policy(folder: Path) -> tuple[SkillActor, dict[str, Any]]:
     """The actor in a folder and what was saved about it.
 
     Raises:
-        DataError: no transferred policy, or a damaged one.
+        DataError: no transferred policy, a damaged one, or one with a network of a kind that is
+            not known (`lfr.transfer.network_kinds`).
     """
     config, tensors = read_model(folder, KIND)
     networks: dict[str, Any] = {}
     for name, entry in config["networks"].items():
         prefix = f"{name}."
         part = {k.removeprefix(prefix): v for k, v in tensors.items() if k.startswith(prefix)}
-        network = PARTS[entry["class"]].build(entry["shape"], part, folder)
-        networks[name] = network.requires_grad_(False)
+        kind = network_kind(entry["class"], folder / "config.json")
+        networks[name] = kind.build(entry["shape"], part, folder).requires_grad_(False)
     distributed = config.get("distribution", GAUSSIAN.name)
     return actor_of(networks, distributed, config.get("min_sigma", 0.0)), config["about"]
+
+
+@dataclass(frozen=True)
+class LearnedFiles:
+    """The folder of a policy saved by `save_policy`."""
+
+    policy: str
+
+    def load(self) -> SkillActor:
+        """Raises DataError where the folder holds no transferred policy, or a damaged one."""
+        return load_policy(Path(self.policy))[0]
 
 
 def actor_of(

@@ -1,4 +1,9 @@
-"""A cheap evaluation while learning: the mean policy from a fixed set of starts."""
+"""A cheap evaluation while learning: the mean policy from a fixed set of starts.
+
+The learning run's own simulations step side by side here, so that one decode serves all of them;
+`lfr.policies.roll_out`, one episode after the other, would take longer, and batches of one differ
+from larger ones in the last bits.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lfr.transfer.actor import SkillActor
-from lfr.transfer.environment import RewardRule, RunningEpisode, Simulated
+from lfr.transfer.environment import Resumable, RewardRule, RunningEpisode
 
 
 @dataclass(frozen=True)
@@ -22,7 +27,7 @@ class EpisodeOutcome:
 
 
 def evaluate(
-    actor: SkillActor, simulations: Sequence[Simulated], seeds: Sequence[int], rule: RewardRule
+    actor: SkillActor, simulations: Sequence[Resumable], seeds: Sequence[int], rule: RewardRule
 ) -> list[EpisodeOutcome]:
     """One episode per seed, in the order of the seeds, as many at once as there are simulations."""
     waiting = list(enumerate(seeds))[::-1]

@@ -9,7 +9,7 @@ from typing import Any
 from lfr.artifacts import as_json
 from lfr.errors import DataError
 from lfr.transfer.loop import TransferLoop
-from lfr.transfer.methods.start import Start
+from lfr.transfer.methods.initialization import Initialization
 from lfr.transfer.model import save_policy
 from lfr.transfer.observer import Observer
 from lfr.transfer.params import TransferParams
@@ -32,7 +32,7 @@ class Reported(Observer):
 
 
 def train(
-    start: Start,
+    initialization: Initialization,
     robot: str,
     task: str,
     params: TransferParams,
@@ -46,7 +46,7 @@ def train(
     """Learn ``task`` on ``robot`` and leave the policy in ``out``; meant to run inside a job.
 
     Args:
-        start: from a method (`lfr.transfer.methods`).
+        initialization: from a method (`lfr.transfer.methods`).
         seed: of the run, 0 to 24 (each has its own share of the learning seeds).
         out: the final policy's folder, written whole at the end.
         work: checkpoints; a run that was killed goes on from the last one.
@@ -65,16 +65,18 @@ def train(
 
     simulations = [Simulation(robot, task) for _ in range(params.simulations)]
     names = simulations[0].layout.names
-    if names != start.layout_names:
-        pairs = zip(start.layout_names, names, strict=False)
-        found, expected = next((p for p in pairs if p[0] != p[1]), (start.layout_names, names))
+    known = initialization.layout_names
+    if names != known:
+        pairs = zip(known, names, strict=False)
+        found, expected = next((p for p in pairs if p[0] != p[1]), (known, names))
         raise DataError(
             f"the prior was trained on another state layout than {task}'s",
             file=out,
             found=found,
             expected=expected,
         )
-    loop = TransferLoop(start, simulations, params, seed, work, Reported(observer or Observer()))
+    reported = Reported(observer or Observer())
+    loop = TransferLoop(initialization, simulations, params, seed, work, reported)
     curve = [dataclasses.asdict(point) for point in loop.run()]
     described = {"robot": robot, "task": task, "seed": seed, "params": as_json(params)}
     save_policy(out, loop.actor, described | (about or {}))

@@ -95,9 +95,9 @@ def run(arguments: argparse.Namespace) -> int:
             shown = recordings(arguments.path, folder, wanted)
         if not opens:
             return _write(arguments, shown)
-        live = any(folder not in file.parents for file in shown.files)
         show(
-            shown.files, web=arguments.web, address=arguments.bind, follow=live,
+            shown.files, web=arguments.web, address=arguments.bind,
+            follow=shown.learning is not None,
             attend=lambda viewer: _attend(viewer, shown, folder, wanted),
         )  # fmt: skip
     return 0
@@ -125,6 +125,8 @@ def _write(arguments: argparse.Namespace, shown: Shown) -> int:
     from lfr.view.screenshot import SIZE, take_screenshot
     from lfr.view.viewer import merge
 
+    if shown.learning is not None:
+        shown.learning.close()
     if arguments.screenshot is not None:
         size = arguments.size or SIZE
         take_screenshot(shown.files, arguments.screenshot, size, shown.still)
@@ -152,8 +154,8 @@ def _attend(viewer: Viewer, shown: Shown, folder: Path, wanted: Wanted) -> None:
     from lfr.view.interactive import add_recordings, step_through
 
     collection = shown.collection
-    if shown.run is not None:
-        add_recordings(viewer, shown.run, shown.files)
+    if shown.learning is not None:
+        add_recordings(viewer, shown.learning.look)
     elif collection is not None and collection.several and _is_terminal():
         # Next is the next that was asked for: of the failed ones, of the longest first.
         like = replace(wanted.selection or Selection(), episodes=None, first=None)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import select
 import sys
 import time
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from lfr.errors import LfrError
@@ -75,12 +75,9 @@ def typed_line(seconds: float = 0.5) -> str | None:
     return sys.stdin.readline() if ready else None
 
 
-def add_recordings(viewer: Viewer, folder: Path, shown: Collection[Path]) -> None:
-    """Send the viewer every recording that appears in a run's folder, until it is closed."""
-    seen = {file.resolve() for file in shown}
+def add_recordings(viewer: Viewer, look: Callable[[], list[Path]]) -> None:
+    """Send the viewer whatever has come of a run at each look, until it is closed."""
     while viewer.open:
-        for file in sorted(folder.rglob("*.rrd")):
-            if file.resolve() not in seen and not file.name.startswith("."):
-                seen.add(file.resolve())
-                viewer.send(file)
+        for file in look():
+            viewer.send(file)
         time.sleep(POLL_SECONDS)

@@ -1,85 +1,129 @@
-"""A learning run in rerun, live while it learns: it listens to the run and writes its curves."""
+"""Learning runs drawn from what they leave (`lfr.transfer.log`), at their end or as they go on.
+
+    learning.rrd              the curves of `lfr.view.curve`
+    episode-<env_steps>.rrd   an episode of each policy that was kept
+
+The episodes all begin where the run's evaluations begin.
+"""
 
 from __future__ import annotations
 
-import dataclasses
-import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
-from lfr.transfer.observer import CurvePoint, Observer
-from lfr.view.curve import CURVES, UPDATES, Point, learning_recording, log_curve
+from lfr.errors import DataError
+from lfr.transfer.log import CURVE, POLICY, UPDATES
+from lfr.transfer.starts import evaluation_starts
+from lfr.view import curve
+from lfr.view.curve import learning_recording, log_curve, read_curve
 
-FLUSH_SECONDS = 2.0
 
+class RunRecordings:
+    """The recordings of all runs below a folder, made in another and continued by `look`."""
 
-class LearningLog(Observer):
-    """Listens to a learning run and writes what it hears to an `.rrd` file, live.
+    def __init__(self, folder: Path, out: Path) -> None:
+        self.folder, self.out = folder, out
+        self._runs: dict[Path, _Run] = {}
 
-    Updates are kept in lists and sent every two seconds as columns, which costs some microseconds
-    an update; the file can be followed while it grows (`lfr view`). It is complete after `close`.
-
-    Args:
-        path: the file.
-        title: what the viewer calls the recording.
-        sample: called with the environment steps at each evaluation listed in `samples`, to leave
-            an episode to look at; it may not draw from the run's random numbers.
-        samples: fractions of the run after which `sample` is called at the next evaluation.
-        on_progress: told `env_steps` and their total, for a progress bar.
-    """
-
-    def __init__(
-        self,
-        path: Path,
-        title: str,
-        sample: Callable[[int], None] | None = None,
-        samples: Sequence[float] = (0.0, 0.5, 1.0),
-        on_progress: Callable[[int, int], None] | None = None,
-    ) -> None:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        self._recording = learning_recording(path, title, choice=True)
-        self._updates: list[dict[str, float]] = []
-        self._seen: set[int] = set()
-        self._sent = time.monotonic()
-        self._sample, self._waiting = sample, sorted(samples)
-        self._fraction = 0.0
-        self._report = on_progress
-
-    def on_update(self, env_steps: int, updates: int, info: Mapping[str, float]) -> None:
-        self._updates.append({"env_steps": env_steps, **info})
-        if time.monotonic() - self._sent > FLUSH_SECONDS:
-            self.send()
-
-    def on_evaluation(self, point: CurvePoint) -> None:
-        self._seen.add(point.env_steps)
-        log_curve(self._recording, [dataclasses.asdict(point)])
-        self.send()
-        if self._waiting and self._fraction >= self._waiting[0]:
-            self._waiting = [part for part in self._waiting if part > self._fraction]
-            if self._sample is not None:
-                self._sample(point.env_steps)
-
-    def on_progress(self, env_steps: int, total: int) -> None:
-        self._fraction = env_steps / total
-        if self._report is not None:
-            self._report(env_steps, total)
-
-    def catch_up(self, curve: Iterable[Point]) -> None:
-        """Log the points of a curve that were not heard of, as those before a run was resumed."""
-        new = [point for point in curve if int(point["env_steps"]) not in self._seen]
-        self._seen.update(int(point["env_steps"]) for point in new)
-        # Their updates were not heard of either; a point holds the means.
-        log_curve(self._recording, new, {**CURVES, **UPDATES})
-        self.send()
-
-    def send(self) -> None:
-        """Send what is kept, so that whoever follows the file sees it."""
-        log_curve(self._recording, self._updates, UPDATES)
-        self._updates.clear()
-        self._sent = time.monotonic()
+    def look(self) -> list[Path]:
+        """Draw what the runs have left since the last look; the files that are new."""
+        new: list[Path] = []
+        for file in sorted(self.folder.rglob(CURVE)):
+            run = file.parent
+            if run not in self._runs:
+                self._runs[run] = _Run(run, self.out / run.relative_to(self.folder))
+                new.append(self._runs[run].file)
+            new += self._runs[run].look()
+        return new
 
     def close(self) -> None:
-        """Send what is kept and finish the file."""
-        self.send()
+        """Finish the files of the curves, which grow until then."""
+        for run in self._runs.values():
+            run.close()
+
+
+def save_run(run: Path, out: Path) -> list[Path]:
+    """Write the recordings of a run that has ended to the folder ``out``.
+
+    Raises:
+        DataError: no run, or a damaged one.
+    """
+    if not (run / CURVE).is_file():
+        raise DataError("the file is missing", file=run / CURVE)
+    recordings = RunRecordings(run, out)
+    files = recordings.look()
+    recordings.close()
+    return files
+
+
+def save_attempt(policy: Path, out: Path, start: int, note: str | None = None) -> None:
+    """Write an episode of the policy in a folder, from the start of a seed, to an `.rrd` file.
+
+    Raises:
+        DataError: no transferred policy, or one that does not say its arm and task.
+    """
+    from lfr.sim.simulation import simulation
+    from lfr.transfer.model import load_policy
+    from lfr.view.policy import save_policy_episode
+    from lfr.view.rollout import roll_out_policy
+
+    actor, about = load_policy(policy)
+    for key in ("robot", "task"):
+        if key not in about:
+            raise DataError("a policy that does not say its arm and task",
+                            file=policy / "config.json", column=f"about.{key}")  # fmt: skip
+    episode, trace = roll_out_policy(actor, simulation(about["robot"], about["task"]), start)
+    save_policy_episode(out, episode, trace, note=note)
+
+
+class _Run:
+    """The recordings of one run."""
+
+    def __init__(self, run: Path, out: Path) -> None:
+        out.mkdir(parents=True, exist_ok=True)
+        self.run, self.out, self.file = run, out, out / "learning.rrd"
+        self._recording = learning_recording(self.file, _title(run), choice=True)
+        self._logged = {CURVE: 0, UPDATES: 0}  # rows of either table
+        self._drawn: set[Path] = set()
+
+    def look(self) -> list[Path]:
+        """Log the rows that are new; the files of new episodes."""
+        for name, quantities in ((CURVE, curve.CURVES), (UPDATES, curve.UPDATES)):
+            if (self.run / name).is_file():
+                rows = read_curve(self.run / name)
+                log_curve(self._recording, rows[self._logged[name] :], quantities)
+                self._logged[name] = len(rows)
+        self._recording.flush()
+        new = [policy for policy in _policies(self.run) if policy not in self._drawn]
+        self._drawn.update(new)
+        return [self._draw(policy) for policy in new]
+
+    def close(self) -> None:
         self._recording.flush()
         self._recording.disconnect()
+
+    def _draw(self, policy: Path) -> Path:
+        about = _about(policy)
+        out = self.out / f"episode-{about['env_steps']:06d}.rrd"
+        note = f"{about['env_steps']} environment steps"
+        save_attempt(policy, out, evaluation_starts(about["seed"], 1)[0], note)
+        return out
+
+
+def _policies(run: Path) -> list[Path]:
+    return sorted(run.glob(f"{POLICY}*"))
+
+
+def _about(policy: Path) -> dict[str, Any]:
+    from lfr.transfer.model import load_policy
+
+    return load_policy(policy)[1]
+
+
+def _title(run: Path) -> str:
+    """What the run's policies say of it; without one, or one that says less, its folder's name."""
+    for policy in _policies(run)[:1]:
+        about = _about(policy)
+        if {"transfer", "method", "seed"} <= about.keys():
+            return f"{about['transfer']} {about['method']} seed {about['seed']}"
+    return run.resolve().name

@@ -18,7 +18,7 @@ import lfr.tasks
 from lfr.data.episode import ENVIRONMENT_STATE, JOINT_POSITION, STATE, Episode
 from lfr.errors import DataError
 from lfr.robots import ROBOTS, Robot
-from lfr.sim.layout import STATE_NAMES
+from lfr.spaces import ROBOT_STATE
 from lfr.tasks import TASKS
 
 Poses = Mapping[str, NDArray[np.float64]]
@@ -191,9 +191,9 @@ def _observes_scene(episode: Episode) -> bool:
     """Whether an episode's observations are those that this project makes of its scene."""
     if not (in_known_scene(episode) and _has_joints(episode)):
         return False
-    environment = lfr.tasks.task(episode.task).environment_names
+    environment = lfr.tasks.task(episode.task).environment.names
     names = _names(episode, STATE), _names(episode, ENVIRONMENT_STATE)
-    return names == (STATE_NAMES, environment)
+    return names == (ROBOT_STATE.names, environment)
 
 
 def _has_joints(episode: Episode) -> bool:

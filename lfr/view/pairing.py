@@ -7,7 +7,7 @@ from pathlib import Path
 
 from lfr.errors import LfrError
 from lfr.view.collection import Collection, collection_of
-from lfr.view.recordings import Wanted, existing, recordings
+from lfr.view.recordings import Wanted, existing, is_policy, recordings, save_policy
 from lfr.view.selection import Ranges, Selection
 from lfr.view.side_by_side import save_beside
 
@@ -48,23 +48,25 @@ def parse_beside(text: str, path: Path) -> tuple[Path, int | None]:
 
 
 def one_of(path: Path, folder: Path, wanted: Wanted) -> Path:
-    """The one recording that shows what is at `path`; of a run, the last that it left.
+    """The one recording that shows what is at `path`; of a run, the last episode that it left.
 
     Raises:
         LfrError: there is more than one episode, or none.
     """
     folder.mkdir(parents=True, exist_ok=True)
+    path = existing(path)
+    if is_policy(path):
+        return save_policy(path, folder, wanted.seed)
     shown = recordings(path, folder, wanted)
-    if shown.run is None:
+    if not shown.run:
         if len(shown.files) != 1:
             raise LfrError(f"side by side stand two: found {len(shown.files)} episodes of {path}, "
                            "expected one; choose it with --episode")  # fmt: skip
         return shown.files[0]
-    made = [file for file in shown.files if file.name.startswith("policy-")]
-    samples = [file for file in shown.files if file.name.startswith("episode-")]
-    if not made and not samples:
+    episodes = [file for file in shown.files if file.name.startswith("episode-")]
+    if not episodes:
         raise LfrError(f"{path} has left no episode yet that could stand beside another")
-    return made[0] if made else samples[-1]
+    return episodes[-1]
 
 
 def _answer(path: Path, number: int | None, seed: int | None, wanted: Wanted) -> Wanted:

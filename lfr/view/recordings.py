@@ -6,10 +6,14 @@ import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from lfr.errors import DataError, LfrError
+from lfr.errors import LfrError
 from lfr.view.collection import Collection, Overlay, collection_of, save_episodes
 from lfr.view.selection import Selection
+
+if TYPE_CHECKING:
+    from lfr.view.learning import RunRecordings
 
 VALID = (
     "an MCAP log (.mcap) or a folder of logs, a LeRobot dataset folder, a trained policy's folder, "
@@ -27,14 +31,16 @@ class Shown:
         files: `.rrd` files.
         numbers: of the episodes, where they are of a collection.
         collection: that they are of.
-        run: folder of the learning run that goes on, or may.
+        run: whether they are of a policy or of learning runs.
+        learning: the recordings of learning runs, where these may go on.
         still: nothing in them moves.
     """
 
     files: list[Path]
     numbers: tuple[int, ...] = ()
     collection: Collection | None = None
-    run: Path | None = None
+    run: bool = False
+    learning: RunRecordings | None = None
     still: bool = False
 
 
@@ -143,17 +149,35 @@ def _skills(mapping: Path, skills: Path | None, task: str) -> Overlay:
 
 
 def _run(path: Path, folder: Path, seed: int | None) -> Shown:
-    """A learning run's curve, the recordings it left, and an episode of its policy."""
-    found = sorted(path.rglob("*.rrd"), key=lambda file: (file.name != "learning.rrd", file))
-    curves = [file for file in sorted(path.rglob("curve.*")) if file.suffix in (".json", ".csv")]
-    if not any(file.name == "learning.rrd" for file in found):
-        found += [_curve(file, folder) for file in curves[:1]]
-    if (path / "model.safetensors").is_file() and (path / "config.json").is_file():
-        found.insert(0, _policy(path, folder, seed))  # the viewer turns to the first
+    """An episode of a policy, and the recordings of its learning: as they are, or made."""
+    from lfr.view.learning import RunRecordings
+
+    attempt = [save_policy(path, folder, seed)] if is_policy(path) else []  # the viewer turns to it
+    made, learning = _sibling(path, "recordings"), _sibling(path, "models/learning")
+    for place in (path, made):
+        if kept := sorted(place.rglob("*.rrd"), key=lambda f: (f.name != "learning.rrd", f)):
+            return Shown([*attempt, *kept], run=True)
+    runs = RunRecordings(learning, folder)
+    found = [*attempt, *runs.look()]
+    if found == attempt and (curves := sorted(path.rglob("curve.json"))):
+        found.append(_curve(curves[0], folder))
     if not found:
         raise LfrError(f"cannot view {path}: found nothing of a dataset, a log or a run; "
                        f"expected {VALID}")  # fmt: skip
-    return Shown(found, run=path)
+    return Shown(found, run=True, learning=runs)
+
+
+def _sibling(path: Path, kind: str) -> Path:
+    """Where the pipeline keeps another kind of thing of the same runs; else the path itself.
+
+    Of `models/transfer/<run>` and what is below it, that is `<kind>/<run>` beside `models`.
+    """
+    whole = path.resolve()
+    for folder in whole.parents:
+        if folder.parts[-2:] in (("models", "transfer"), ("models", "learning")):
+            there = folder.parents[1] / kind / whole.relative_to(folder)
+            return there if there.is_dir() else path
+    return path
 
 
 def _curve(path: Path, folder: Path) -> Path:
@@ -166,20 +190,21 @@ def _curve(path: Path, folder: Path) -> Path:
     return out
 
 
-def _policy(path: Path, folder: Path, seed: int | None) -> Path:
-    from lfr.seeds import episode_seed
-    from lfr.sim.simulation import simulation
-    from lfr.transfer.model import load_policy
-    from lfr.view.policy import save_policy_episode
-    from lfr.view.rollout import roll_out_policy
+def is_policy(path: Path) -> bool:
+    """Whether a folder holds a model, and should hold a policy."""
+    return (path / "model.safetensors").is_file() and (path / "config.json").is_file()
 
-    actor, about = load_policy(path)
-    for key in ("robot", "task"):
-        if key not in about:
-            raise DataError("a policy that does not say its arm and task",
-                            file=path / "config.json", column=f"about.{key}")  # fmt: skip
+
+def save_policy(path: Path, folder: Path, seed: int | None) -> Path:
+    """An episode of the policy at `path`, in `folder`; from a held-out start by default.
+
+    Raises:
+        DataError: no transferred policy, or one that does not say its arm and task.
+    """
+    from lfr.seeds import episode_seed
+    from lfr.view.learning import save_attempt
+
     start = episode_seed("held-out", 0) if seed is None else seed
-    episode, trace = roll_out_policy(actor, simulation(about["robot"], about["task"]), start)
     out = folder / f"policy-seed-{start}.rrd"
-    save_policy_episode(out, episode, trace)
+    save_attempt(path, out, start)
     return out

@@ -37,7 +37,7 @@ def record(path: Path, seed: int) -> list[Frame]:
 def write(path: Path, frames: list[Frame], last: np.ndarray, seed: int = 0) -> None:
     layout = Simulation("panda", "lift").layout
     info = EpisodeInfo("panda", "lift", seed, "lift the cube", layout.state_names,
-                       layout.environment_names)  # fmt: skip
+                       layout.environment.names)  # fmt: skip
     with EpisodeLog(path, info) as log:
         for frame in frames:
             log.frame(frame)

@@ -6,7 +6,6 @@ import pytest
 from lfr.demos.attempt import AttemptParams, attempt
 from lfr.demos.expert import PERTURBATION_STEPS, Expert, ExpertParams
 from lfr.robots import ROBOTS
-from lfr.sim.layout import ObservationLayout
 from lfr.sim.simulation import simulation
 from lfr.tasks import TASKS, task
 
@@ -15,7 +14,7 @@ CALM = ExpertParams(noise=0.0, perturbation=0.0, slip=0.0)
 
 def over_the_cube(aperture: float, command: float) -> np.ndarray:
     """An observation of Lift with the hand, upright, exactly where it would grasp."""
-    layout = ObservationLayout.of(task("lift"))
+    layout = task("lift").observation
     seen = np.zeros(layout.size)
     seen[layout.slice("eef_rot6d")] = [1.0, 0.0, 0.0, 0.0, -1.0, 0.0]
     seen[layout.slice("cube_yaw")] = [1.0, 0.0]
@@ -32,14 +31,14 @@ def over_the_cube(aperture: float, command: float) -> np.ndarray:
 def test_the_fingers_gap_tells_what_is_held(
     aperture: float, command: float, rises: bool, gripper: float
 ) -> None:
-    expert = Expert("lift", ObservationLayout.of(task("lift")), CALM)
+    expert = Expert("lift", task("lift").observation, CALM)
     action = expert.clean(over_the_cube(aperture, command))
     assert (action[2] > 0.5) == rises
     assert action[6] == gripper
 
 
 def test_a_perturbation_is_one_push_of_some_steps_and_the_label_stays_clean() -> None:
-    layout = ObservationLayout.of(task("lift"))
+    layout = task("lift").observation
     expert = Expert("lift", layout, ExpertParams(noise=0.0, slip=0.0, perturbation=1.0))
     clean = np.zeros(7)
     rng = np.random.default_rng(0)
@@ -53,7 +52,7 @@ def test_a_perturbation_is_one_push_of_some_steps_and_the_label_stays_clean() ->
 
 
 def test_without_disturbance_it_executes_the_label() -> None:
-    expert = Expert("lift", ObservationLayout.of(task("lift")), CALM)
+    expert = Expert("lift", task("lift").observation, CALM)
     action = np.linspace(-1.0, 1.0, 7)
     np.testing.assert_array_equal(expert.execute(action, np.random.default_rng(0)), action)
 

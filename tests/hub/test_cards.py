@@ -27,7 +27,7 @@ from lfr.hub.picture import FRAMES, picture
 from lfr.params import read_section
 from lfr.robots import ACTION_NAMES, ROBOTS
 from lfr.seeds import use_of_seed
-from lfr.sim.layout import STATE_NAMES
+from lfr.spaces import ROBOT_STATE
 from lfr.tasks import TASKS
 from tests.data import made_up
 
@@ -60,7 +60,7 @@ def facts_without_data(name: str) -> DatasetFacts:
     """What a dataset's facts must be, by the results and the code, not by its files."""
     robot, task = name.split("-")
     record, pack = read("record", name), read("pack", name)
-    schema = features(STATE_NAMES, TASKS[task].environment_names, ROBOTS[robot].joints)
+    schema = features(ROBOT_STATE.names, TASKS[task].environment_names, ROBOTS[robot].joints)
     columns = [Column(f.key, f.dtype, f.shape, f.names or ()) for f in schema.values()]
     camera = read_section(RecordParams, "record", ROOT / "params.yaml").camera
     for each in pack["cameras"]:
@@ -96,7 +96,7 @@ def test_model_cards_are_current(title: str) -> None:
     assert f"git checkout {noted['provenance']['revision']}" in text, "run `lfr card`"
     assert f"dvc repro {stage}@{name}" in text
     tallies = list(found(noted, "own_arm")) if stage == "skills" else []
-    tallies += list(read("chain", name)["links"].values()) if stage == "mapping" else []
+    tallies += list(read("chain", name)["zero_shot"].values()) if stage == "mapping" else []
     tallies += [s for run in read("evaluate", name)["runs"] for s in run["success"].values()
                 ] if stage == "transfer" else []  # fmt: skip
     assert tallies
@@ -162,7 +162,7 @@ def test_a_card_says_what_the_issue_of_cards_asks(name: str) -> None:
 
 @pytest.mark.parametrize("task", TASKS)
 def test_every_dimension_has_a_meaning(task: str) -> None:
-    names = (*STATE_NAMES, *TASKS[task].environment_names, *ACTION_NAMES)
+    names = (*ROBOT_STATE.names, *TASKS[task].environment_names, *ACTION_NAMES)
     shown = list(groups(names))
     assert [each for each, meaning in shown if meaning is None] == []
     count = sum(max(1, each.count(" .")) if "." in each else len(each.split()) for each, _ in shown)
@@ -172,7 +172,7 @@ def test_every_dimension_has_a_meaning(task: str) -> None:
 def test_symmetries_are_those_of_the_documents() -> None:
     text = (ROOT / "docs" / "data.md").read_text()
     documented = dict(re.findall(r"`(\w+_yaw)` \(k = (\d)", text))
-    names = {n.split(".")[0] for t in TASKS.values() for n in t.environment_names if "_yaw" in n}
+    names = {n.split(".")[0] for t in TASKS.values() for n in t.environment.names if "_yaw" in n}
     assert set(documented) == names
     for group, k in documented.items():
         ((_, meaning),) = groups([f"{group}.cos", f"{group}.sin"])
@@ -292,14 +292,14 @@ def test_cards_are_written_and_checked(
     assert "panda-lift.md: out of date" in capsys.readouterr().err
 
 
-def test_without_paths_the_evidence_is_left_alone(tmp_path: Path) -> None:
+def test_without_paths_studies_are_left_alone(tmp_path: Path) -> None:
     places = [
         "transfer/a-lfr",
         "skills/a",
         "external-skills/b",
         "mapping/a",
-        "paper/a",
-        "paper-policies/a-sac",
+        "studies/a",
+        "study-policies/a-sac",
     ]
     for place in places:
         (tmp_path / "models" / place).mkdir(parents=True)

@@ -7,7 +7,6 @@ import torch
 
 from lfr.lerobot_plugin.export import export_policy
 from lfr.mapping.generator import Generator
-from lfr.sim.layout import ObservationLayout
 from lfr.skills.prior import SkillPrior
 from lfr.skills.vae import SkillVAE
 from lfr.tasks import task
@@ -20,7 +19,7 @@ from tests.transfer.conftest import one_thread as one_thread
 @pytest.fixture(scope="package")
 def saved(tmp_path_factory: pytest.TempPathFactory) -> Path:
     torch.manual_seed(0)
-    names = ObservationLayout.of(task("lift")).names
+    names = task("lift").observation.names
 
     def mapped() -> MappedPolicy:
         return MappedPolicy(SkillPrior(names, 4, hidden=16, layers=2), Generator(4, 16, 2))

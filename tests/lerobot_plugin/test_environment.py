@@ -57,7 +57,7 @@ def test_features_are_those_of_the_datasets(task: str) -> None:
         recorded & {"observation.state", "observation.environment_state", "action"}
     )
     assert features["observation.state"].shape == (11,)
-    names = TASKS[task].environment_names
+    names = TASKS[task].environment.names
     assert features["observation.environment_state"].shape == (len(names),)
     assert features["observation.images.agentview"].shape == (3, 128, 128)
 

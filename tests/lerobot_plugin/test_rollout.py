@@ -18,16 +18,15 @@ from lerobot.scripts.lerobot_eval import eval_policy
 from torch import Tensor
 
 from lfr.demos.expert import Expert, ExpertParams
-from lfr.evaluation.rollouts import roll_out
 from lfr.lerobot_plugin.configuration_lfr import LfrConfig, features_of
 from lfr.lerobot_plugin.env_config import LfrEnv
+from lfr.policies import roll_out
 from lfr.seeds import episode_seed
-from lfr.sim.layout import ObservationLayout
 from lfr.sim.simulation import simulation
 from lfr.tasks import task
 
 EPISODES = 5
-LAYOUT = ObservationLayout.of(task("lift"))
+LAYOUT = task("lift").observation
 
 
 class Fastidious:
@@ -35,6 +34,8 @@ class Fastidious:
 
     def __init__(self) -> None:
         self.expert = Expert("lift", LAYOUT, ExpertParams())
+
+    def reset(self, seed: int) -> None: ...
 
     def act(self, observation: np.ndarray) -> np.ndarray:
         seen = observation.astype(np.float32).astype(np.float64)  # as LeRobot hands it on

@@ -15,7 +15,6 @@ import pytest
 from lfr.data.dataset import pack_dataset
 from lfr.data.episode import EpisodeInfo
 from lfr.data.log import EpisodeLog, Frame
-from lfr.sim.layout import ObservationLayout
 from lfr.tasks import task
 
 PLUGIN = "--env.discover_packages_path=lfr.lerobot_plugin"
@@ -93,7 +92,7 @@ def test_lerobot_train_on_a_dataset_of_ours(tmp_path: Path) -> None:
 
 def log_of(folder: Path, seed: int) -> Path:
     """A log in the layout of Lift, of a hand that trembles."""
-    layout = ObservationLayout.of(task("lift"))
+    layout = task("lift").observation
     info = EpisodeInfo(
         robot="panda",
         task="lift",

@@ -11,14 +11,13 @@ from torch import nn
 from lfr.mapping.generator import Generator
 from lfr.mapping.report import common_report, decoded_difference, new_task_report
 from lfr.mapping.training import CommonTask, MappingParams, paired, train_mapping
-from lfr.sim.layout import ObservationLayout
 from lfr.skills.prior import SkillPrior
 from lfr.skills.symmetry import SymmetryParams
 from lfr.skills.vae import SkillVAE
 from lfr.tasks import task
 
 Z = 3
-NAMES = ObservationLayout.of(task("lift")).names
+NAMES = task("lift").observation.names
 PARAMS = MappingParams(
     hidden=64,
     steps=600,

@@ -3,7 +3,6 @@
 import pytest
 
 from lfr.errors import UnknownNameError
-from lfr.sim.layout import ObservationLayout
 from lfr.tasks import TASKS
 
 
@@ -11,7 +10,7 @@ from lfr.tasks import TASKS
     ("task", "size"), [("lift", 11), ("stack", 17), ("pick_place", 12), ("nut_assembly", 19)]
 )
 def test_sizes_and_places(task: str, size: int) -> None:
-    layout = ObservationLayout.of(TASKS[task])
+    layout = TASKS[task].observation
     assert len(layout.names[layout.state]) == 11
     assert len(layout.names[layout.environment]) == size
     assert len(set(layout.names)) == layout.size == 11 + size
@@ -22,7 +21,7 @@ def test_sizes_and_places(task: str, size: int) -> None:
 
 
 def test_unknown_names() -> None:
-    layout = ObservationLayout.of(TASKS["lift"])
+    layout = TASKS["lift"].observation
     with pytest.raises(UnknownNameError, match=r"cube_pos\.x"):
         layout.index("cube_pos")
     with pytest.raises(UnknownNameError, match="cube_yaw"):

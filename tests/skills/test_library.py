@@ -27,7 +27,7 @@ from lfr.skills.models import PriorTraining, VAETraining, model_jobs, model_seed
 from lfr.skills.params import SkillsParams
 from lfr.skills.prior import SkillPrior
 from lfr.skills.vae import SkillVAE
-from lfr.transfer.methods.start import TrainedModels
+from lfr.transfer.methods.initialization import TrainedModels
 
 from .made_up import save_models
 

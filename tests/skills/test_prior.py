@@ -8,7 +8,6 @@ import torch
 from torch.distributions import Independent, Normal, kl_divergence
 
 from lfr.errors import DataError
-from lfr.sim.layout import ObservationLayout
 from lfr.skills.artifacts import (
     Seen,
     load_prior,
@@ -30,7 +29,7 @@ from lfr.skills.training import train_prior
 from lfr.skills.vae import SkillVAE
 from lfr.tasks import task
 
-NAMES = ObservationLayout.of(task("lift")).names
+NAMES = task("lift").observation.names
 SEEN = Seen("panda", ("pick_place",), {"panda-pick_place": "ab"}, 7)
 
 
@@ -61,7 +60,7 @@ def test_inputs_that_hardly_vary_are_not_blown_up() -> None:
 
 def test_a_small_tilt_is_magnified_whichever_way_the_hand_is_turned() -> None:
     made = SkillPrior(NAMES, 3, 8, 2)
-    layout = ObservationLayout.of(task("lift"))
+    layout = task("lift").observation
     for yaw in (0.0, 1.0, -2.5):
         cos, sin, tilt = math.cos(yaw), math.sin(yaw), 0.02
         # The hand points down, turned by yaw, then tilted by a little about the base's y axis.
@@ -90,7 +89,7 @@ def test_inputs_that_vary_are_standardised() -> None:
 
 def test_every_input_of_every_task_has_a_floor() -> None:
     for name in ("lift", "stack", "pick_place", "nut_assembly"):
-        assert all(std_floor(n) > 0 for n in ObservationLayout.of(task(name)).names)
+        assert all(std_floor(n) > 0 for n in task(name).observation.names)
 
 
 def test_task_loss_is_the_divergence_of_the_posterior_to_the_prior() -> None:
@@ -141,7 +140,7 @@ def test_saved_models_come_back_identical(tmp_path: Path) -> None:
 
 def test_a_prior_of_another_layout_is_refused(tmp_path: Path) -> None:
     save_prior(tmp_path / "prior", prior(), SEEN)
-    other = ObservationLayout.of(task("stack")).names
+    other = task("stack").observation.names
     with pytest.raises(DataError, match=r"prior/config\.json.*cube_pos\.x.*cubeA_pos\.x"):
         load_prior(tmp_path / "prior", other)
 

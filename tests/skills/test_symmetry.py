@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 
 from lfr.demos.expert import Expert, ExpertParams
 from lfr.errors import LfrError
-from lfr.sim.layout import ObservationLayout
 from lfr.skills.rows import MOST_ROWS, thinned
 from lfr.skills.symmetry import (
     SceneMotion,
@@ -38,7 +37,7 @@ def motion(angle: float, mirror: float, shift: tuple[float, float]) -> SceneMoti
 
 def lift_observation(rotation: tuple[float, float, float], to_cube: np.ndarray) -> torch.Tensor:
     """Lift, the hand near straight down and turned, the cube beside it and turned."""
-    layout = ObservationLayout.of(TASKS["lift"])
+    layout = TASKS["lift"].observation
     x, y, z = rotation
     spin = np.array([[math.cos(z), -math.sin(z), 0], [math.sin(z), math.cos(z), 0], [0, 0, 1]])
     roll = np.array([[1, 0, 0], [0, math.cos(x), -math.sin(x)], [0, math.sin(x), math.cos(x)]])
@@ -65,7 +64,7 @@ def lift_observation(rotation: tuple[float, float, float], to_cube: np.ndarray) 
 def test_the_expert_in_a_moved_scene_does_the_moved_action(
     angle: float, mirror: float, shift: tuple[float, float], rotation: tuple[float, float, float]
 ) -> None:
-    layout = ObservationLayout.of(TASKS["lift"])
+    layout = TASKS["lift"].observation
     # So weak that no component saturates: the bound is on components, not on the length.
     expert = Expert("lift", layout, ExpertParams(gain=1e-3, turn_gain=0.05))
     seen = lift_observation(rotation, np.array([0.05, -0.02, -0.1]))
@@ -81,7 +80,7 @@ def test_the_expert_in_a_moved_scene_does_the_moved_action(
 def test_a_moved_observation_is_still_one(
     angle: float, mirror: float, shift: tuple[float, float], rotation: tuple[float, float, float]
 ) -> None:
-    layout = ObservationLayout.of(TASKS["lift"])
+    layout = TASKS["lift"].observation
     seen = lift_observation(rotation, np.array([0.05, -0.02, -0.1]))
     moved = move_observations(seen, layout.names, motion(angle, mirror, shift))[0].numpy()
 
@@ -98,7 +97,7 @@ def test_a_moved_observation_is_still_one(
 
 @pytest.mark.parametrize("task", TASKS)
 def test_every_task_can_be_moved(task: str) -> None:
-    names = ObservationLayout.of(TASKS[task]).names
+    names = TASKS[task].observation.names
     observations, actions = torch.randn(5, len(names)), torch.rand(5, 10, 7) - 0.5
     generator = torch.Generator().manual_seed(0)
     params = SymmetryParams(copies=2)
@@ -112,7 +111,7 @@ def test_every_task_can_be_moved(task: str) -> None:
 
 
 def test_no_copies_are_the_demonstrations_themselves() -> None:
-    names = ObservationLayout.of(TASKS["stack"]).names
+    names = TASKS["stack"].observation.names
     observations, actions = torch.randn(4, len(names)), torch.randn(4, 10, 7)
     params = SymmetryParams(copies=0)
     seen, done = moved_copies(observations, actions, names, params, torch.Generator())

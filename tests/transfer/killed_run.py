@@ -10,7 +10,7 @@ import torch
 from lfr.transfer.loop import TransferLoop
 from lfr.transfer.observer import Observer
 
-from .point import PointSimulation, lfr_start, point_models, point_params
+from .point import PointSimulation, lfr_initialization, point_models, point_params
 
 
 class Kill(Observer):
@@ -22,6 +22,6 @@ class Kill(Observer):
 if __name__ == "__main__":
     torch.set_num_threads(1)
     params = point_params()
-    start = lfr_start(point_models(), params)
+    start = lfr_initialization(point_models(), params)
     simulations = [PointSimulation() for _ in range(params.simulations)]
     TransferLoop(start, simulations, params, 0, Path(sys.argv[1]), Kill()).run()

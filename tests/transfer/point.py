@@ -11,7 +11,7 @@ import torch
 from lfr.mapping.generator import Generator
 from lfr.skills.prior import SkillPrior
 from lfr.skills.vae import SkillVAE
-from lfr.transfer.methods.start import Start, start_from
+from lfr.transfer.methods.initialization import Initialization, initialize_from
 from lfr.transfer.params import TransferParams
 
 NAMES = ("x_pos", "goal_pos", "goal_to_x")
@@ -79,10 +79,10 @@ class Models(NamedTuple):
     target_vae: SkillVAE
 
 
-def lfr_start(models: Models, params: TransferParams) -> Start:
+def lfr_initialization(models: Models, params: TransferParams) -> Initialization:
     """Where Learn from Robot starts, from models that are in no folder."""
     prior, phi, decoder = models
-    return start_from(prior, phi, decoder, params, prior)
+    return initialize_from(prior, phi, decoder, params, prior)
 
 
 def point_models() -> Models:

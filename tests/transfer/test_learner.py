@@ -15,7 +15,7 @@ from lfr.transfer.learner import Learner
 from lfr.transfer.params import TransferParams
 from lfr.transfer.replay import Batch
 
-from .point import lfr_start
+from .point import lfr_initialization
 from .test_critic import member
 
 
@@ -30,7 +30,7 @@ def _batch(actor, size: int = 12) -> Batch:
 
 def _learner(artifacts, params, **changes):
     torch.manual_seed(0)
-    start = lfr_start(artifacts, dataclasses.replace(params, **changes))
+    start = lfr_initialization(artifacts, dataclasses.replace(params, **changes))
     # Away from the prior, so that the divergence of Eq. 9 is not zero.
     with torch.no_grad():
         for parameter in start.actor.policy.parameters():

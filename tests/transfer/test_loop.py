@@ -18,11 +18,11 @@ from lfr.transfer.methods import method
 from lfr.transfer.model import load_policy, save_policy
 from lfr.transfer.observer import Observer
 
-from .point import PointSimulation, lfr_start
+from .point import PointSimulation, lfr_initialization
 
 
 def _loop(artifacts, params, *, seed=0, work=None, observer=None, **options):
-    start = lfr_start(artifacts, params)
+    start = lfr_initialization(artifacts, params)
     simulations = [PointSimulation(**options) for _ in range(params.simulations)]
     return TransferLoop(start, simulations, params, seed, work, observer)
 
@@ -201,4 +201,4 @@ def test_bad_input_is_named(artifacts, params):
     with pytest.raises(UnknownNameError, match="unknown method 'lrf'; valid: lfr"):
         method("lrf")
     with pytest.raises(LfrError, match="found 1 simulations, expected 2"):
-        TransferLoop(lfr_start(artifacts, params), [PointSimulation()], params, 0)
+        TransferLoop(lfr_initialization(artifacts, params), [PointSimulation()], params, 0)

@@ -8,7 +8,7 @@ from lfr.transfer.learner import Learner
 from lfr.transfer.policy import IdentityMap, frozen_prior, initial_policy
 from lfr.transfer.replay import Batch
 
-from .point import lfr_start
+from .point import lfr_initialization
 
 
 def _batch(size=16):
@@ -67,7 +67,7 @@ def test_sigma_learns_however_small_it_is(artifacts):
 
 
 def test_learning_leaves_prior_and_artifacts_as_they_were(artifacts, params):
-    start = lfr_start(artifacts, params)
+    start = lfr_initialization(artifacts, params)
     observation = torch.randn(5, 3)
     before = start.actor.prior(observation)
     learner = Learner(start.actor.policy, start.normalizer, 3, 2, params, torch.Generator())
@@ -84,7 +84,7 @@ def test_learning_leaves_prior_and_artifacts_as_they_were(artifacts, params):
 
 def test_phi_learns_only_when_asked_to(artifacts, params):
     for train_phi in (True, False):
-        start = lfr_start(artifacts, dataclasses.replace(params, train_phi=train_phi))
+        start = lfr_initialization(artifacts, dataclasses.replace(params, train_phi=train_phi))
         policy = start.actor.policy
         learner = Learner(policy, start.normalizer, 3, 2, params, torch.Generator())
         for _ in range(params.policy_every):

@@ -40,7 +40,7 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Recorded:
     sim = simulation("panda", "lift")
     observation, layout = sim.reset(5), sim.layout
     info = EpisodeInfo(
-        "panda", "lift", 5, "lift the cube", layout.state_names, layout.environment_names
+        "panda", "lift", 5, "lift the cube", layout.state_names, layout.environment.names
     )
     path = tmp_path_factory.mktemp("logs") / "panda-lift" / "episode-000000.mcap"
     rng, rows = np.random.default_rng(0), []

@@ -14,7 +14,7 @@ from mcap.reader import make_reader
 from lfr.data.episode import ACTION_NAMES, EpisodeInfo
 from lfr.data.log import EpisodeLog, Frame
 from lfr.data.messages import CameraModel, identifier, message_class
-from lfr.sim.layout import STATE_NAMES
+from lfr.spaces import ROBOT_STATE
 from lfr.view.foxglove_layout import FILE, foxglove_layout
 from lfr.view.log_layout import EYE
 from tests.data import made_up
@@ -33,13 +33,13 @@ def layout() -> dict[str, Any]:
 def frames() -> list[Frame]:
     rng = np.random.default_rng(1)
     plain = made_up.frames(seed=1, length=LENGTH, image_size=32)
-    return [replace(frame, observation=rng.normal(size=len(STATE_NAMES))) for frame in plain]
+    return [replace(frame, observation=rng.normal(size=len(ROBOT_STATE.names))) for frame in plain]
 
 
 @pytest.fixture(scope="module")
 def log(frames: list[Frame], tmp_path_factory: pytest.TempPathFactory) -> Log:
     """A log with the state of every arm, read with the schemas that it carries itself."""
-    info = EpisodeInfo("panda", "lift", 1, "lift the cube", STATE_NAMES, ())
+    info = EpisodeInfo("panda", "lift", 1, "lift the cube", ROBOT_STATE.names, ())
     camera = CameraModel(32, 32, np.eye(3), np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
     path = tmp_path_factory.mktemp("foxglove") / "episode-000000.mcap"
     with EpisodeLog(path, info, {"agentview": camera}) as writer:
@@ -110,7 +110,7 @@ def test_every_plotted_path_is_a_number_of_a_log(
         **{f"/joint_states.joints[{k}].position": last.joint_position[k] for k in range(7)},
         **{
             f"/observation.{identifier(name)}": value
-            for name, value in zip(STATE_NAMES, last.observation, strict=True)
+            for name, value in zip(ROBOT_STATE.names, last.observation, strict=True)
         },
         "/reward.reward": last.reward,
         "/success.success": 1.0,

@@ -7,28 +7,18 @@ import pytest
 import torch
 
 from lfr.sim.simulation import simulation
-from lfr.skills.prior import SkillPrior
-from lfr.skills.vae import SkillVAE
 from lfr.transfer.actor import SkillActor
-from lfr.transfer.policy import IdentityMap, frozen_prior, initial_policy
 from lfr.view.rollout import roll_out_policy
 
 from . import rrd
+from .made_up import HORIZON, made_up_actor
 
-HORIZON, LATENT, SEED = 10, 4, 1_000_007
+SEED = 1_000_007
 
 
 @pytest.fixture(scope="module")
 def actor() -> SkillActor:
-    torch.manual_seed(0)
-    names = simulation("panda", "lift").layout.names
-    prior = SkillPrior(names, latent_dim=LATENT, hidden=16, layers=2)
-    decoder = SkillVAE(horizon=HORIZON, action_dim=7, latent_dim=LATENT, hidden=16)
-    policy = initial_policy(prior, IdentityMap(), train_phi=True)
-    with torch.no_grad():  # as if it had learned something
-        for parameter in policy.parameters():
-            parameter.add_(0.05)
-    return SkillActor(policy.eval(), frozen_prior(prior, IdentityMap()), decoder.eval())
+    return made_up_actor()
 
 
 def test_the_episode_is_what_the_simulation_does(actor: SkillActor) -> None:

@@ -1,20 +1,20 @@
 """The source's policy without G: with its own decoder, or with the target's (part V)."""
 
-from lfr.transfer.methods.start import Start, TrainedModels, start_from
+from lfr.transfer.methods.initialization import Initialization, TrainedModels, initialize_from
 from lfr.transfer.params import TransferParams
 from lfr.transfer.policy import IdentityMap
 
 
-def ap(models: TrainedModels, params: TransferParams) -> Start:
+def ap(models: TrainedModels, params: TransferParams) -> Initialization:
     """Adapt the learned Policy (Tables I and II): the source's prior and decoder as they are.
 
     The source's actions are then carried out by the target; learning fine-tunes them.
     """
     prior = models.source_prior()
-    return start_from(prior, IdentityMap(), models.source_vae(), params, prior)
+    return initialize_from(prior, IdentityMap(), models.source_vae(), params, prior)
 
 
-def no_generator(models: TrainedModels, params: TransferParams) -> Start:
+def no_generator(models: TrainedModels, params: TransferParams) -> Initialization:
     """Table III: the source's prior, its skills read as the target's own without a translation."""
     prior = models.source_prior()
-    return start_from(prior, IdentityMap(), models.target_vae(), params, prior)
+    return initialize_from(prior, IdentityMap(), models.target_vae(), params, prior)

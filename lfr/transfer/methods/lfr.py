@@ -1,10 +1,10 @@
 """Learn from Robot: pi' = phi o pi from the source's prior (Eq. 7), near phi(p_a) (Eq. 9)."""
 
-from lfr.transfer.methods.start import Start, TrainedModels, start_from
+from lfr.transfer.methods.initialization import Initialization, TrainedModels, initialize_from
 from lfr.transfer.params import TransferParams
 
 
-def lfr(models: TrainedModels, params: TransferParams) -> Start:
+def lfr(models: TrainedModels, params: TransferParams) -> Initialization:
     """The source's prior of the new task, through G, with the target's decoder."""
     prior = models.source_prior()
-    return start_from(prior, models.generator(), models.target_vae(), params, prior)
+    return initialize_from(prior, models.generator(), models.target_vae(), params, prior)

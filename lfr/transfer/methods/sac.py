@@ -9,12 +9,12 @@ from __future__ import annotations
 
 from lfr.transfer.actor import OneAction, SkillActor
 from lfr.transfer.distribution import SQUASHED
-from lfr.transfer.methods.start import Start, TrainedModels, new_pi
+from lfr.transfer.methods.initialization import Initialization, TrainedModels, new_pi
 from lfr.transfer.params import TransferParams
 from lfr.transfer.policy import IdentityMap, MappedPolicy, StandardNormal
 
 
-def sac(models: TrainedModels, params: TransferParams) -> Start:
+def sac(models: TrainedModels, params: TransferParams) -> Initialization:
     """A new policy with networks as large as the critics'.
 
     Like every method's, its inputs come in the units of the source's demonstrations: of the other
@@ -30,4 +30,4 @@ def sac(models: TrainedModels, params: TransferParams) -> Start:
         decoder=OneAction(actions),
         distribution=SQUASHED,
     )
-    return Start(actor, reference.normalizer, reference.layout_names)
+    return Initialization(actor, reference.normalizer, reference.layout_names)

@@ -1,0 +1,80 @@
+"""An embodiment: an arm, its gripper and the controller that its actions belong to.
+
+It is known by one name, which datasets, logs, models and results carry: the arm's, then whatever is
+not the default, such as "panda", "ur5e" or "ur5e-joint_position".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+from lfr.controllers import CONTROLLERS, Controller, controller
+from lfr.errors import UnknownNameError
+from lfr.robots import ROBOTS, Gripper, Robot, robot
+from lfr.spaces import Space
+
+DEFAULT_CONTROLLER = "osc_pose"
+
+
+@dataclass(frozen=True)
+class Embodiment:
+    """An arm with its gripper under one controller."""
+
+    robot: Robot
+    controller: Controller
+
+    @property
+    def name(self) -> str:
+        """The arm's name, and the controller's where it is not `DEFAULT_CONTROLLER`."""
+        standard = self.controller.name == DEFAULT_CONTROLLER
+        return self.robot.name if standard else f"{self.robot.name}-{self.controller.name}"
+
+    @property
+    def gripper(self) -> Gripper:
+        return self.robot.gripper
+
+    @property
+    def action(self) -> Space:
+        """`action`, (A,) in [-1, 1]: the controller's, and the gripper last."""
+        return self.controller.space(self.robot)
+
+    @property
+    def action_scale(self) -> tuple[float, ...]:
+        """(A - 1,) what an action of 1 asks for, in each dimension's unit, the gripper aside."""
+        return self.controller.scale(self.robot)
+
+    @property
+    def stock_config(self) -> dict[str, Any]:
+        """robosuite's configuration of the controller."""
+        return self.controller.stock_config(self.robot)
+
+
+@cache
+def embodiment(name: str) -> Embodiment:
+    """The embodiment called ``name``.
+
+    Raises:
+        UnknownNameError: no such arm or controller; the message lists those there are.
+    """
+    arm, *rest = name.split("-")
+    chosen = robot(arm)
+    if len(rest) > 1 or (rest and rest[0] not in CONTROLLERS):
+        valid = (f"{arm}-{one}" for one in CONTROLLERS if one != DEFAULT_CONTROLLER)
+        raise UnknownNameError("embodiment", name, (arm, *valid))
+    return Embodiment(chosen, controller(rest[0] if rest else DEFAULT_CONTROLLER))
+
+
+@cache
+def known_action(names: tuple[str, ...]) -> Space | None:
+    """The action whose dimensions are called ``names``; None where no embodiment here has it."""
+    return next((one.action for one in embodiments() if one.action.names == names), None)
+
+
+def embodiments() -> Iterator[Embodiment]:
+    """Every arm under every controller."""
+    for arm in ROBOTS.values():
+        for one in CONTROLLERS.values():
+            yield Embodiment(arm, one)

@@ -1,1 +1,0 @@
-"""The evidence: results/paper read, put together over seeds, shown as tables, figures and text."""

@@ -1,0 +1,24 @@
+"""A source's skill prior that acts on the target through G, before any learning there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from lfr.mapping.artifacts import load_generator
+from lfr.skills.artifacts import load_prior, load_vae
+from lfr.skills.policy import SkillPolicy
+
+
+@dataclass(frozen=True)
+class MappedFiles:
+    """The folders of a skill prior, of G that translates it, and of the skill VAE that acts."""
+
+    prior: str
+    generator: str
+    decoder: str
+
+    def load(self) -> SkillPolicy:
+        """Raises DataError where a folder holds no such model, or a damaged one."""
+        translate = load_generator(Path(self.generator))
+        return SkillPolicy(load_prior(Path(self.prior)), translate, load_vae(Path(self.decoder)))

@@ -1,0 +1,19 @@
+"""KUKA LBR iiwa."""
+
+from lfr.robots.grippers import ROBOTIQ_140
+from lfr.robots.repair import Repair
+from lfr.robots.robot import Robot
+
+IIWA = Robot(
+    name="iiwa",
+    stock_name="IIWA",
+    joints=tuple(f"robot0_joint_{i}" for i in range(1, 8)),
+    gripper=ROBOTIQ_140,
+    joint_scale=(0.08, 0.08, 0.10, 0.12, 0.25, 0.25, 0.40),
+    distal_bodies=(
+        *("robot0_link_5", "robot0_link_6", "robot0_link_7"),
+        "robot0_right_hand",
+    ),
+    # robosuite has it on link 1: the axes of Cartesian actions would turn with the arm.
+    repair=Repair(sites_in_base=("robot0_right_center",)),
+)

@@ -1,0 +1,92 @@
+"""What of robosuite's models of arms and grippers is mended, and how: the one place that does it.
+
+Each `Repair` stands with the arm or gripper that needs it; docs/simulation.md lists their effects.
+The engine and stock robosuite are both given the repaired model.
+"""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Coupling:
+    """A joint that follows another one: q = offset + ratio q_driver (rad)."""
+
+    joint: str
+    driver: str
+    ratio: float
+    offset: float = 0.0
+
+
+@dataclass(frozen=True)
+class Repair:
+    """Changes to an MJCF, by the names that robosuite gives its elements.
+
+    Attributes:
+        excluded_contacts: pairs of bodies whose contact is switched off.
+        couplings: joints that follow others.
+        dropped_tendons: ends of the names of tendons that are taken out, with what equates them.
+        sites_in_base: sites that belong to the arm's base, where robosuite has them on a link.
+        attributes: (tag, name, attribute, value) to be set.
+    """
+
+    excluded_contacts: tuple[tuple[str, str], ...] = ()
+    couplings: tuple[Coupling, ...] = ()
+    dropped_tendons: tuple[str, ...] = ()
+    sites_in_base: tuple[str, ...] = ()
+    attributes: tuple[tuple[str, str, str, str], ...] = ()
+
+    def __add__(self, other: Repair) -> Repair:
+        return Repair(
+            self.excluded_contacts + other.excluded_contacts,
+            self.couplings + other.couplings,
+            self.dropped_tendons + other.dropped_tendons,
+            self.sites_in_base + other.sites_in_base,
+            self.attributes + other.attributes,
+        )
+
+    def applied(self, xml: str) -> str:
+        """The MJCF with these changes; the same text where there are none."""
+        if self == Repair():
+            return xml
+        root = ET.fromstring(xml)
+        for ending in self.dropped_tendons:
+            _drop_tendons(root, ending)
+        for name in self.sites_in_base:
+            _move_to_base(root, name)
+        for tag, name, attribute, value in self.attributes:
+            _find(root, tag, name).set(attribute, value)
+        contact, equality = ET.SubElement(root, "contact"), ET.SubElement(root, "equality")
+        for first, second in self.excluded_contacts:
+            ET.SubElement(contact, "exclude", body1=first, body2=second)
+        for one in self.couplings:
+            ET.SubElement(
+                equality,
+                "joint",
+                joint1=one.joint,
+                joint2=one.driver,
+                polycoef=f"{one.offset:g} {one.ratio:g} 0 0 0",
+            )
+        return ET.tostring(root, encoding="unicode")
+
+
+def _find(root: ET.Element, tag: str, name: str) -> ET.Element:
+    return next(element for element in root.iter(tag) if element.get("name") == name)
+
+
+def _drop_tendons(root: ET.Element, ending: str) -> None:
+    for section in (*root.findall("tendon"), *root.findall("equality")):
+        for element in list(section):
+            named = element.get("name") if section.tag == "tendon" else element.get("tendon1")
+            if (named or "").endswith(ending):
+                section.remove(element)
+
+
+def _move_to_base(root: ET.Element, name: str) -> None:
+    parent = next(p for p in root.iter() if any(c.get("name") == name for c in p.findall("site")))
+    site = _find(parent, "site", name)
+    parent.remove(site)
+    site.set("pos", "0 0 0")
+    _find(root, "body", "robot0_base").append(site)

@@ -1,0 +1,79 @@
+"""What an arm and what a gripper is, by the names that robosuite's MJCF gives their parts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from lfr.robots.repair import Repair
+
+
+@dataclass(frozen=True)
+class Gripper:
+    """A gripper with one command for all its fingers, however many move.
+
+    Names are those of robosuite's MJCF, with its prefix `gripper0_right_`. The grip site is between
+    the pads; its z axis is the approach, its x axis the closing axis.
+
+    Attributes:
+        name: this project's name of it.
+        stock_name: robosuite's name of its class.
+        joints: all finger joints, in the order of qpos.
+        opened: their positions with the hand open.
+        closed: the same with the hand closed on nothing.
+        left_pads: collision geoms of one finger's pad, or of the pads on one side.
+        right_pads: the same for the other side.
+        close_signs: sign of each actuator, in actuator order, that closes the hand.
+        speed: of the command that is integrated, per control step; full travel is 2.
+        stock_speed: robosuite's own, where it is another.
+        stock_knows_pads: whether robosuite's grasp check asks for pads that its model has.
+        repair: of robosuite's model.
+    """
+
+    name: str
+    stock_name: str
+    joints: tuple[str, ...]
+    opened: tuple[float, ...]
+    closed: tuple[float, ...]
+    left_pads: tuple[str, ...]
+    right_pads: tuple[str, ...]
+    close_signs: tuple[float, ...]
+    speed: float = 0.2
+    stock_speed: float = 0.2
+    stock_knows_pads: bool = True
+    repair: Repair = field(default_factory=Repair)
+    grip_site: str = "gripper0_right_grip_site"
+
+
+@dataclass(frozen=True)
+class Robot:
+    """One arm with its default gripper.
+
+    Attributes:
+        name: this project's name of the arm.
+        stock_name: robosuite's name of it.
+        joints: the arm's hinges, from the base to the wrist, with robosuite's prefix `robot0_`;
+            the first one is vertical.
+        gripper: its default one.
+        joint_scale: (N,) rad that an action of 1 moves each joint under joint position control.
+        distal_bodies: arm bodies that keep their collision geoms in the compiled engine.
+        repair: of robosuite's model of the arm; its gripper has its own.
+    """
+
+    name: str
+    stock_name: str
+    joints: tuple[str, ...]
+    gripper: Gripper
+    joint_scale: tuple[float, ...]
+    distal_bodies: tuple[str, ...]
+    repair: Repair = field(default_factory=Repair)
+    base_body: str = "robot0_base"
+    controller_site: str = "robot0_right_center"
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The joints without robosuite's prefix."""
+        return tuple(joint.removeprefix("robot0_") for joint in self.joints)
+
+    def repaired(self, xml: str) -> str:
+        """robosuite's MJCF of this arm with its gripper, mended."""
+        return (self.repair + self.gripper.repair).applied(xml)

@@ -1,1 +1,0 @@
-"""The evidence: many seeds, every method, both rewards; the stages of paper/dvc.yaml."""

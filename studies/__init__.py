@@ -1,0 +1,1 @@
+"""What a study puts beside the method: baselines, ablations, and the trials that compare them."""

@@ -1,0 +1,101 @@
+"""What the variants read, and what they say that they have read."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+import torch
+
+from lfr.columns import ActionSpace
+from lfr.data.windows import WindowBatch
+from lfr.errors import LfrError
+from lfr.scenarios import Scenario, check_visible, transfers_of
+from lfr.skills.artifacts import load_prior, load_seen, load_vae
+from lfr.skills.demonstrations import Demonstrations
+from lfr.skills.library import RoleModels, transfer_models
+from lfr.skills.params import PriorParams, SkillsParams, VAEParams
+from lfr.skills.symmetry import SymmetryParams
+from lfr.skills.vae import SkillVAE
+from lfr.tasks import task as task_named
+from studies.ablations import any_task, shared_vae
+from studies.ablations.any_task import AnyTaskJob, fit_any_task
+from studies.ablations.other_task import load_other_task
+from studies.ablations.shared_vae import SharedJob, fit_shared
+from tests.skills.made_up import save_models
+
+SCENARIO = Scenario("s1", ("pick_place", "nut_assembly"), {"panda": "lift", "sawyer": "stack"})
+TRANSFER = transfers_of(SCENARIO)[0]  # lift from sawyer to panda
+PRIOR = PriorParams(hidden=8, layers=2, steps=2, batch=4, symmetry=SymmetryParams(copies=1))
+ACTION_NAMES = ("dx", "dy", "dz", "rx", "ry", "rz", "gripper")
+PARAMS = SkillsParams(VAEParams(horizon=4, latent_dim=3, hidden=8, steps=2, batch=4), PRIOR)
+
+
+def made_up(robot: str, task: str) -> Demonstrations:
+    names = task_named(task).observation.names
+    actions = ActionSpace(ACTION_NAMES, (-1.0,) * 7, (1.0,) * 7)
+    batch = WindowBatch(torch.rand(9, len(names)), torch.rand(9, 4, 7), torch.zeros(9, 4) > 0)
+    name = f"{robot}-{task}"
+    states = batch.observations
+    return Demonstrations(name, f"of {name}", names, actions, batch, batch, states, states)
+
+
+def target(root: Path) -> RoleModels:
+    return transfer_models(SCENARIO, TRANSFER, root)["target"]
+
+
+@pytest.fixture
+def read(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, str, str]]:
+    """(role, robot, task) of all that is read; the leak rule stands before it as it does."""
+    seen: list[tuple[str, str, str]] = []
+
+    def read_visible(scenario, robot, role, tasks, **_):
+        check_visible(scenario, robot, role, tasks)
+        seen.extend((role, robot, task) for task in tasks)
+        return {task: made_up(robot, task) for task in tasks}
+
+    for module in (shared_vae, any_task):
+        monkeypatch.setattr(module, "read_visible", read_visible)
+    return seen
+
+
+def test_the_shared_vae_sees_no_new_task_of_the_target(
+    read: list[tuple[str, str, str]], tmp_path: Path
+) -> None:
+    fit_shared(SharedJob(SCENARIO, TRANSFER, PARAMS, 0, str(tmp_path)))
+    assert set(read) == {
+        ("source", "sawyer", "pick_place"), ("source", "sawyer", "nut_assembly"),
+        ("source", "sawyer", "lift"),
+        ("target", "panda", "pick_place"), ("target", "panda", "nut_assembly"),
+    }  # fmt: skip
+    seen = load_seen(tmp_path / "vae")
+    assert set(seen.datasets) == {f"{robot}-{task}" for _, robot, task in read}
+    assert "panda-lift" not in seen.datasets
+    assert load_vae(tmp_path / "vae").latent_dim == 3
+    assert load_prior(tmp_path / "prior", made_up("sawyer", "lift").names).latent_dim == 3
+    assert load_seen(tmp_path / "prior").datasets == {"sawyer-lift": "of sawyer-lift"}
+
+
+def test_what_is_hidden_is_refused_before_anything_is_read(tmp_path: Path) -> None:
+    """A transfer that claims the new task to be common does not get past the rule."""
+    claimed = replace(TRANSFER, common=(*TRANSFER.common, "lift"))
+    job = AnyTaskJob(SCENARIO, claimed, PRIOR, 0.1, 0, target(tmp_path), str(tmp_path))
+    save_models(target(tmp_path), SkillVAE(4, 7, 3, 8), {})
+    with pytest.raises(LfrError, match=r"'lift' by panda are hidden"):
+        fit_any_task(job)
+
+
+def test_the_prior_of_any_task_sees_the_targets_common_tasks(
+    read: list[tuple[str, str, str]], tmp_path: Path
+) -> None:
+    skills = target(tmp_path / "skills")
+    save_models(skills, SkillVAE(4, 7, 3, 8), {})
+    fit_any_task(AnyTaskJob(SCENARIO, TRANSFER, PRIOR, 0.1, 0, skills, str(tmp_path)))
+    assert read == [("target", "panda", "pick_place"), ("target", "panda", "nut_assembly")]
+    prior = load_other_task(tmp_path / "prior")
+    assert prior.layout_names == task_named("lift").observation.names
+    assert all(column >= 0 for column in prior.columns)
+    mu, _ = prior(torch.rand(5, len(prior.layout_names)))
+    assert mu.shape == (5, 3)
+    assert float(prior.inner.normalizer.mean.abs().sum()) > 0
