@@ -155,7 +155,7 @@ def test_the_chain_has_its_links_in_order_and_on_the_right_arm(tmp_path: Path) -
     scenario = Scenario("s1", ("pick_place",), {"panda": "lift", "sawyer": "stack"})
     transfer, _ = transfers_of(scenario)
     skills = transfer_models(scenario, transfer, tmp_path)
-    vae, prior = SkillVAE(2, 2, 2, 2), SkillPrior(("x",), 2, 2, 1)
+    vae, prior = SkillVAE(2, 2, 2, 2), SkillPrior(("number.x",), 2, 2, 1)
     save_models(skills["source"], vae, {"lift": prior})
     save_models(skills["target"], vae, {})
     trials = chain_trials(transfer, skills, Path("mapping"), 10)

@@ -8,9 +8,16 @@ import pytest
 import torch
 from torch import nn
 
+from lfr.embodiments import embodiment
 from lfr.mapping.generator import Generator
 from lfr.mapping.report import common_report, decoded_difference, new_task_report
-from lfr.mapping.training import CommonTask, MappingParams, paired, train_mapping
+from lfr.mapping.training import (
+    ActionWindows,
+    CommonTask,
+    MappingParams,
+    paired,
+    train_mapping,
+)
 from lfr.skills.prior import SkillPrior
 from lfr.skills.symmetry import SymmetryParams
 from lfr.skills.vae import SkillVAE
@@ -60,7 +67,7 @@ def rotated(one: SkillPrior) -> SkillPrior:
 def learned() -> tuple[list[CommonTask], Generator, Generator]:
     tasks = [CommonTask(one, rotated(one), states(400, 1)) for one in (prior(1), prior(2))]
     vaes = SkillVAE(4, 7, Z, 8), SkillVAE(4, 7, Z, 8)
-    g, f = train_mapping(tasks, vaes, torch.zeros(1, 4, 7), PARAMS, seed=0)
+    g, f = train_mapping(tasks, vaes, None, PARAMS, seed=0)
     return tasks, g, f
 
 
@@ -116,9 +123,9 @@ def test_the_same_seed_gives_the_same_tensors(posterior_share: float) -> None:
     params = MappingParams(hidden=8, steps=3, batch=8, posterior_share=posterior_share)
     tasks = [CommonTask(prior(1), prior(2), states(20, 1))]
     vaes = SkillVAE(4, 7, Z, 8), SkillVAE(4, 7, Z, 8)
-    actions = torch.rand(5, 4, 7) - 0.5
-    first, again = (train_mapping(tasks, vaes, actions, params, 1)[0] for _ in range(2))
-    other = train_mapping(tasks, vaes, actions, params, 2)[0]
+    windows = ActionWindows(torch.rand(5, 4, 7) - 0.5, embodiment("panda").action.names)
+    first, again = (train_mapping(tasks, vaes, windows, params, 1)[0] for _ in range(2))
+    other = train_mapping(tasks, vaes, windows, params, 2)[0]
     assert torch.equal(first.translate(torch.ones(1, 2 * Z)), again.translate(torch.ones(1, 2 * Z)))
     assert not torch.equal(
         first.translate(torch.ones(1, 2 * Z)), other.translate(torch.ones(1, 2 * Z))

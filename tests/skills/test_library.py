@@ -93,7 +93,7 @@ def test_no_two_models_start_from_the_same_weights() -> None:
 def skills(tmp_path: Path) -> dict[Any, RoleModels]:
     """The models of `TRANSFER`, but the target's VAE and a prior of its have seen the new task."""
     models = transfer_models(FIRST, TRANSFER, tmp_path)
-    vae, prior = SkillVAE(2, 2, 2, 2), SkillPrior(("x",), 2, 2, 1)
+    vae, prior = SkillVAE(2, 2, 2, 2), SkillPrior(("number.x",), 2, 2, 1)
     for role in ("source", "oracle"):
         save_models(models[role], vae, {"lift": prior})
     folder = skill_folder(tmp_path, "panda", TRANSFER.common)

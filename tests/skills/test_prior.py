@@ -7,6 +7,7 @@ import pytest
 import torch
 from torch.distributions import Independent, Normal, kl_divergence
 
+from lfr.embodiments import embodiment
 from lfr.errors import DataError
 from lfr.skills.artifacts import (
     Seen,
@@ -17,19 +18,13 @@ from lfr.skills.artifacts import (
     save_vae,
 )
 from lfr.skills.params import PriorParams
-from lfr.skills.prior import (
-    POSITION_STD_FLOOR,
-    STD_FLOORS,
-    TILT_SCALE,
-    SkillPrior,
-    std_floor,
-    task_loss,
-)
+from lfr.skills.prior import TILT_SCALE, SkillPrior, task_loss
 from lfr.skills.training import train_prior
 from lfr.skills.vae import SkillVAE
-from lfr.tasks import task
+from lfr.tasks import TASKS, task
 
 NAMES = task("lift").observation.names
+ACTIONS = embodiment("panda").action.names
 SEEN = Seen("panda", ("pick_place",), {"panda-pick_place": "ab"}, 7)
 
 
@@ -50,12 +45,12 @@ def test_inputs_that_hardly_vary_are_not_blown_up() -> None:
     seen = torch.ones(40, len(NAMES)) + 1e-4 * observations(40)
     made.normalizer.fit(seen, NAMES)
     std = dict(zip(NAMES, made.normalizer.std.tolist(), strict=True))
-    assert std["eef_pos.x"] == pytest.approx(POSITION_STD_FLOOR)
-    assert std["eef_rot6d.0"] == pytest.approx(STD_FLOORS["rot6d"])
-    assert std["cube_yaw.cos"] == pytest.approx(STD_FLOORS["yaw"])
-    assert std["gripper_command"] == pytest.approx(STD_FLOORS["command"])
-    assert std["gripper_aperture"] == pytest.approx(STD_FLOORS["aperture"])
-    assert std["cube_up.z"] == pytest.approx(STD_FLOORS["up"])
+    assert std["eef_pos.x"] == pytest.approx(0.05)
+    assert std["eef_rot6d.0"] == pytest.approx(0.2)
+    assert std["cube_yaw.cos"] == pytest.approx(0.3)
+    assert std["gripper_command"] == pytest.approx(0.3)
+    assert std["gripper_aperture"] == pytest.approx(0.01)
+    assert std["cube_up.z"] == pytest.approx(0.2)
 
 
 def test_a_small_tilt_is_magnified_whichever_way_the_hand_is_turned() -> None:
@@ -88,8 +83,8 @@ def test_inputs_that_vary_are_standardised() -> None:
 
 
 def test_every_input_of_every_task_has_a_floor() -> None:
-    for name in ("lift", "stack", "pick_place", "nut_assembly"):
-        assert all(std_floor(n) > 0 for n in task(name).observation.names)
+    for known in TASKS.values():
+        assert all(quantity.std_floor > 0 for quantity in known.observation.quantities)
 
 
 def test_task_loss_is_the_divergence_of_the_posterior_to_the_prior() -> None:
@@ -114,9 +109,11 @@ def test_a_prior_learns_the_skill_of_a_state_and_a_seed_fixes_it() -> None:
     seen = observations(64)
     actions = torch.tanh(5 * seen[:, None, :7]).expand(-1, 4, -1).contiguous()
     params = PriorParams(hidden=32, layers=2, steps=150, batch=32)
-    trained, again = (train_prior(vae, seen, actions, NAMES, params, seed=2) for _ in range(2))
+    trained, again = (
+        train_prior(vae, seen, actions, NAMES, ACTIONS, params, seed=2) for _ in range(2)
+    )
     untrained = train_prior(
-        vae, seen, actions, NAMES, PriorParams(hidden=32, layers=2, steps=0), seed=2
+        vae, seen, actions, NAMES, ACTIONS, PriorParams(hidden=32, layers=2, steps=0), seed=2
     )
     with torch.no_grad():
         mu, log_sigma = vae.encode(actions)

@@ -9,17 +9,21 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lfr.demos.expert import Expert, ExpertParams
+from lfr.embodiments import embodiment
 from lfr.errors import LfrError
 from lfr.skills.rows import MOST_ROWS, thinned
 from lfr.skills.symmetry import (
     SceneMotion,
     SymmetryParams,
+    move,
     move_actions,
-    move_observations,
     moved_copies,
     moved_states,
+    suited,
 )
 from lfr.tasks import TASKS
+
+CARTESIAN = embodiment("panda").action.names
 
 angles = st.floats(-math.pi, math.pi)
 mirrors = st.sampled_from([-1.0, 1.0])
@@ -51,7 +55,7 @@ def lift_observation(rotation: tuple[float, float, float], to_cube: np.ndarray) 
         "gripper_command": [-1.0],
         "cube_pos": np.array([0.5, 0.1, 0.1]) + to_cube,
         "cube_up": [0.0, 0.0, 1.0],
-        "cube_to_eef": to_cube,
+        "eef_to_cube": to_cube,
         "cube_yaw": [math.cos(0.4), math.sin(0.4)],
     }
     for group, value in values.items():
@@ -66,12 +70,12 @@ def test_the_expert_in_a_moved_scene_does_the_moved_action(
 ) -> None:
     layout = TASKS["lift"].observation
     # So weak that no component saturates: the bound is on components, not on the length.
-    expert = Expert("lift", layout, ExpertParams(gain=1e-3, turn_gain=0.05))
+    expert = Expert(TASKS["lift"], layout, ExpertParams(gain=1e-3, turn_gain=0.05))
     seen = lift_observation(rotation, np.array([0.05, -0.02, -0.1]))
     action = torch.tensor(expert.clean(seen[0].numpy()))
     moved = motion(angle, mirror, shift)
-    there = expert.clean(move_observations(seen, layout.names, moved)[0].numpy())
-    expected = move_actions(action[None, None], moved)[0, 0].numpy()
+    there = expert.clean(move(seen, layout.names, moved)[0].numpy())
+    expected = move_actions(action[None, None], CARTESIAN, moved)[0, 0].numpy()
     np.testing.assert_allclose(there, expected, atol=1e-6)
 
 
@@ -82,12 +86,12 @@ def test_a_moved_observation_is_still_one(
 ) -> None:
     layout = TASKS["lift"].observation
     seen = lift_observation(rotation, np.array([0.05, -0.02, -0.1]))
-    moved = move_observations(seen, layout.names, motion(angle, mirror, shift))[0].numpy()
+    moved = move(seen, layout.names, motion(angle, mirror, shift))[0].numpy()
 
     def part(group: str) -> np.ndarray:
         return moved[layout.slice(group)]
 
-    np.testing.assert_allclose(part("cube_pos") - part("eef_pos"), part("cube_to_eef"), atol=1e-12)
+    np.testing.assert_allclose(part("cube_pos") - part("eef_pos"), part("eef_to_cube"), atol=1e-12)
     x, y = part("eef_rot6d")[:3], part("eef_rot6d")[3:]
     np.testing.assert_allclose([x @ x, y @ y, x @ y], [1.0, 1.0, 0.0], atol=1e-12)
     approach = seen[0].numpy()[layout.slice("eef_rot6d")]
@@ -101,7 +105,7 @@ def test_every_task_can_be_moved(task: str) -> None:
     observations, actions = torch.randn(5, len(names)), torch.rand(5, 10, 7) - 0.5
     generator = torch.Generator().manual_seed(0)
     params = SymmetryParams(copies=2)
-    seen, done = moved_copies(observations, actions, names, params, generator)
+    seen, done = moved_copies(observations, actions, names, CARTESIAN, params, generator)
     assert seen.shape == (15, len(names))
     assert done.shape == (15, 10, 7)
     torch.testing.assert_close(seen[:5], observations)
@@ -114,14 +118,25 @@ def test_no_copies_are_the_demonstrations_themselves() -> None:
     names = TASKS["stack"].observation.names
     observations, actions = torch.randn(4, len(names)), torch.randn(4, 10, 7)
     params = SymmetryParams(copies=0)
-    seen, done = moved_copies(observations, actions, names, params, torch.Generator())
+    seen, done = moved_copies(observations, actions, names, CARTESIAN, params, torch.Generator())
     assert seen is observations
     assert done is actions
 
 
 def test_an_unknown_quantity_is_refused() -> None:
     with pytest.raises(LfrError, match="wrist_torque"):
-        move_observations(torch.zeros(1, 1), ["wrist_torque.x"], motion(0.1, 1.0, (0.0, 0.0)))
+        move(torch.zeros(1, 1), ["wrist_torque.x"], motion(0.1, 1.0, (0.0, 0.0)))
+
+
+def test_joint_motions_stay_in_a_turned_scene_and_no_other_motion_is_known() -> None:
+    names = embodiment("ur5e-joint_position").action.names
+    params = suited(SymmetryParams(), names)
+    assert params == SymmetryParams(shift=0.0, mirror=False)
+    actions, generator = torch.rand(5, 10, len(names)) - 0.5, torch.Generator().manual_seed(0)
+    turned = SceneMotion.draw(5, params, generator)
+    torch.testing.assert_close(move_actions(actions, names, turned), actions)
+    with pytest.raises(LfrError, match="how 'dq' moves with the scene is not known"):
+        move_actions(actions, names, SceneMotion.draw(5, SymmetryParams(), generator))
 
 
 @given(rows=st.integers(1, 2 * MOST_ROWS), copies=st.integers(0, 40))

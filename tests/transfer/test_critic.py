@@ -11,6 +11,8 @@ from torch.distributions.kl import kl_divergence
 from lfr.skills.prior import Normalizer
 from lfr.transfer.critic import CriticEnsemble, critic_loss, pessimistic, td_target
 
+NAMES = [f"number.{name}" for name in "abcd"]
+
 
 def member(critics: CriticEnsemble, e: int) -> nn.Sequential:
     """The e-th member as plain torch layers."""
@@ -29,8 +31,7 @@ def member(critics: CriticEnsemble, e: int) -> nn.Sequential:
 
 
 def _critics(layer_norm: bool) -> CriticEnsemble:
-    names = ["a", "b", "c", "d"]
-    critics = CriticEnsemble(Normalizer(names), 4, 2, 3, (8, 5), layer_norm=layer_norm)
+    critics = CriticEnsemble(Normalizer(NAMES), 4, 2, 3, (8, 5), layer_norm=layer_norm)
     critics.vector.normal_()  # scale and shift of the norm, too
     return critics
 
@@ -74,7 +75,7 @@ def test_a_clone_changes_alone():
 
 
 def test_initialised_as_torch_does():
-    critics = CriticEnsemble(Normalizer(["a", "b", "c", "d"]), 4, 2, 2, (64,), layer_norm=True)
+    critics = CriticEnsemble(Normalizer(NAMES), 4, 2, 2, (64,), layer_norm=True)
     reference = nn.Linear(6, 64).weight
     first = critics.layers[0]
     assert first.weight.abs().max() <= 6**-0.5

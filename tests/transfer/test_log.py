@@ -16,7 +16,7 @@ from lfr.transfer.loop import TransferLoop
 from lfr.transfer.model import load_policy
 from lfr.transfer.params import TransferParams
 
-from .point import Models, PointSimulation, lfr_start
+from .point import Models, PointSimulation, lfr_initialization
 
 
 class Killed(Exception):
@@ -45,7 +45,7 @@ def models(artifacts: Models) -> Models:
 
 def learn(models: Models, params: TransferParams, out: Path, killed_at: int | None = None):
     """A run with its log in ``out``/log and its checkpoints in ``out``/work."""
-    start = lfr_start(models, params)
+    start = lfr_initialization(models, params)
     log = Killing(out / "log", start.actor, {"seed": 0, "method": "lfr"})
     log.at = Killing.at if killed_at is None else killed_at
     simulations = [PointSimulation() for _ in range(params.simulations)]

@@ -10,6 +10,7 @@ import torch
 
 from lfr.columns import ActionSpace
 from lfr.data.windows import WindowBatch
+from lfr.embodiments import embodiment
 from lfr.errors import LfrError
 from lfr.scenarios import Scenario, check_visible, transfers_of
 from lfr.skills.artifacts import load_prior, load_seen, load_vae
@@ -28,7 +29,7 @@ from tests.skills.made_up import save_models
 SCENARIO = Scenario("s1", ("pick_place", "nut_assembly"), {"panda": "lift", "sawyer": "stack"})
 TRANSFER = transfers_of(SCENARIO)[0]  # lift from sawyer to panda
 PRIOR = PriorParams(hidden=8, layers=2, steps=2, batch=4, symmetry=SymmetryParams(copies=1))
-ACTION_NAMES = ("dx", "dy", "dz", "rx", "ry", "rz", "gripper")
+ACTION_NAMES = embodiment("panda").action.names
 PARAMS = SkillsParams(VAEParams(horizon=4, latent_dim=3, hidden=8, steps=2, batch=4), PRIOR)
 
 

@@ -9,10 +9,11 @@ import pytest
 import torch
 from torch import Tensor, nn
 
+from lfr.embodiments import embodiment
 from lfr.mapping.artifacts import MappingSeen, load_generator, save_generator
 from lfr.mapping.generator import Generator
 from lfr.mapping.models import Material, mapping_job
-from lfr.mapping.training import CommonTask, MappingParams, paired, train_mapping
+from lfr.mapping.training import ActionWindows, CommonTask, MappingParams, paired, train_mapping
 from lfr.scenarios import Scenario, transfers_of
 from lfr.skills.library import transfer_models
 from lfr.skills.prior import SkillPrior
@@ -64,12 +65,14 @@ def vaes() -> tuple[SkillVAE, SkillVAE]:
 
 
 @pytest.fixture(scope="module")
-def windows() -> Tensor:
-    return drawn(50, 4, 7, seed=2).clamp(-1, 1)
+def windows() -> ActionWindows:
+    return ActionWindows(drawn(50, 4, 7, seed=2).clamp(-1, 1), embodiment("panda").action.names)
 
 
 @pytest.fixture(scope="module")
-def whole(tasks: list[CommonTask], vaes: tuple[SkillVAE, SkillVAE], windows: Tensor) -> Generator:
+def whole(
+    tasks: list[CommonTask], vaes: tuple[SkillVAE, SkillVAE], windows: ActionWindows
+) -> Generator:
     """G of Algorithm 1 itself."""
     return train_mapping(tasks, vaes, windows, STILL, seed=0)[0]
 
@@ -110,7 +113,7 @@ def test_a_closed_form_map_is_saved_as_a_generator(tmp_path: Path) -> None:
 
 
 def test_pairs_are_those_of_algorithm_1(
-    tasks: list[CommonTask], vaes: tuple[SkillVAE, SkillVAE], windows: Tensor
+    tasks: list[CommonTask], vaes: tuple[SkillVAE, SkillVAE], windows: ActionWindows
 ) -> None:
     """Equal priors and encoders on both sides: a pair is one only if both saw the same row."""
     k_x, k_y = pairs_of(tasks, vaes, windows, STILL, seed=0, count=2**13)
@@ -121,7 +124,10 @@ def test_pairs_are_those_of_algorithm_1(
 
 
 def test_broken_pairs_teach_nothing_and_whole_ones_do(
-    tasks: list[CommonTask], vaes: tuple[SkillVAE, SkillVAE], windows: Tensor, whole: Generator
+    tasks: list[CommonTask],
+    vaes: tuple[SkillVAE, SkillVAE],
+    windows: ActionWindows,
+    whole: Generator,
 ) -> None:
     _, k_y = pairs_of(tasks, vaes, windows, STILL, seed=0, count=2**13)
     broken = shuffled(tasks, vaes, windows, k_y, STILL, seed=0)
@@ -165,7 +171,7 @@ def test_what_each_job_changes(tmp_path: Path) -> None:
 def test_untrained_keeps_the_scales_and_no_cycle_the_pairs(
     tasks: list[CommonTask],
     vaes: tuple[SkillVAE, SkillVAE],
-    windows: Tensor,
+    windows: ActionWindows,
     whole: Generator,
     tmp_path: Path,
 ) -> None:

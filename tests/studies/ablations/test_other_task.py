@@ -15,7 +15,7 @@ from lfr.skills.artifacts import Seen, load_prior
 from lfr.skills.prior import SkillPrior
 from lfr.spaces import ROBOT_STATE
 from lfr.tasks import TASKS, task
-from studies.ablations.any_task import ANY_TASK_NAMES, any_task_places, manipulated
+from studies.ablations.any_task import ANY_TASK_NAMES, any_task_places
 from studies.ablations.other_task import (
     OtherTaskPrior,
     asked_about,
@@ -27,18 +27,18 @@ from studies.ablations.other_task import (
 Z = 3
 SEEN = Seen("panda", ("lift",), {}, 0)
 # By hand from lfr.tasks: new task -> what a prior of the first task finds there (group -> group).
-CUBE_IN_CAN = {"cube_pos": "can_pos", "cube_up": "can_up", "cube_to_eef": "can_to_eef"}
+CUBE_IN_CAN = {"cube_pos": "can_pos", "cube_up": "can_up", "eef_to_cube": "eef_to_can"}
 NUT_IN_STACK = {
     "nut_pos": "cubeA_pos",
     "nut_up": "cubeA_up",
-    "nut_to_eef": "cubeA_to_eef",
+    "eef_to_nut": "eef_to_cubeA",
     "nut_yaw": "cubeA_yaw",
     "nut_to_peg": "cubeA_to_cubeB",
 }
 STACK_IN_CAN = {
     "cubeA_pos": "can_pos",
     "cubeA_up": "can_up",
-    "cubeA_to_eef": "can_to_eef",
+    "eef_to_cubeA": "eef_to_can",
     "cubeA_to_cubeB": "can_to_bin",
 }
 
@@ -51,7 +51,7 @@ def found(inner: str, new: str) -> dict[str, str | None]:
     """Name of each of the inner layout's dimensions -> name of its counterpart."""
     there = names(new)
     columns = counterparts(
-        names(inner), manipulated(task(inner)), there, manipulated(task(new))
+        names(inner), task(inner).manipulated, there, task(new).manipulated
     )  # fmt: skip
     assert len(columns) == len(names(inner))
     return {
@@ -71,7 +71,7 @@ def observations(of: str, count: int, seed: int) -> Tensor:
 
 
 def asked(inner: str, new: str) -> OtherTaskPrior:
-    return asked_about(prior(inner), manipulated(task(inner)), names(new), manipulated(task(new)))
+    return asked_about(prior(inner), task(inner).manipulated, names(new), task(new).manipulated)
 
 
 @pytest.mark.parametrize(
@@ -99,10 +99,10 @@ def test_every_pair_of_tasks(inner: str, new: str) -> None:
     known = [other for other in columns.values() if other is not None]
     assert len(known) == len(set(known))  # nothing stands for two things
     assert all(columns[name] == name for name in ROBOT_STATE.names)
-    theirs, ours = manipulated(task(inner)), manipulated(task(new))
-    for quantity in ("pos", "up", "to_eef"):  # all tasks have these
+    theirs, ours = task(inner).manipulated, task(new).manipulated
+    for quantity in ("{}_pos", "{}_up", "eef_to_{}"):  # all tasks have these
         for axis in "xyz":
-            assert columns[f"{theirs}_{quantity}.{axis}"] == f"{ours}_{quantity}.{axis}"
+            assert columns[f"{quantity.format(theirs)}.{axis}"] == f"{quantity.format(ours)}.{axis}"
     # Components stay what they are, and the way back is the same.
     back = found(new, inner)
     for name, other in columns.items():
@@ -117,7 +117,7 @@ def test_it_says_what_the_inner_prior_says_of_the_same_scene() -> None:
     by_hand = inner.normalizer.mean.expand(6, -1).clone()
     layout = task("nut_assembly").observation
     there = task("stack").observation
-    by_hand[:, layout.state] = seen[:, there.state]
+    by_hand[:, : ROBOT_STATE.size] = seen[:, : ROBOT_STATE.size]
     for nut, cube in NUT_IN_STACK.items():
         by_hand[:, layout.slice(nut)] = seen[:, there.slice(cube)]
     for answer, expected in zip(other(seen), inner(by_hand), strict=True):
@@ -159,10 +159,11 @@ def test_saved_and_loaded(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("of", TASKS)
 def test_what_every_task_has(of: str) -> None:
-    places, object_ = any_task_places(task(of)), manipulated(task(of))
+    places, object_ = any_task_places(task(of)), task(of).manipulated
+    groups = (f"{object_}_pos", f"{object_}_up", f"eef_to_{object_}")
     expected = (
         *ROBOT_STATE.names,
-        *(f"{object_}_{q}.{axis}" for q in ("pos", "up", "to_eef") for axis in "xyz"),
+        *(f"{group}.{axis}" for group in groups for axis in "xyz"),
     )
     assert tuple(names(of)[place] for place in places) == expected
     assert len(ANY_TASK_NAMES) == len(expected)
