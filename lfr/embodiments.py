@@ -67,6 +67,11 @@ def embodiment(name: str) -> Embodiment:
     return Embodiment(chosen, controller(rest[0] if rest else DEFAULT_CONTROLLER))
 
 
+def is_known(name: str) -> bool:
+    """Whether there is an embodiment called ``name``."""
+    return any(one.name == name for one in embodiments())
+
+
 @cache
 def known_action(names: tuple[str, ...]) -> Space | None:
     """The action whose dimensions are called ``names``; None where no embodiment here has it."""

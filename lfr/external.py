@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from lfr.columns import ActionPart, Columns, Part
+from lfr.embodiments import is_known
 from lfr.errors import UnknownNameError
 from lfr.params import PARAMS, from_mapping, read_yaml
-from lfr.robots import ROBOTS
 
 SECTION = "external"
 
@@ -98,7 +98,7 @@ class External:
     transfers: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        taken = sorted(set(self.arms) & set(ROBOTS))
+        taken = sorted(filter(is_known, self.arms))
         if taken:
             raise ValueError(
                 f"{', '.join(taken)} is an arm that this project simulates; "

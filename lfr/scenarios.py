@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, get_args
 
+from lfr.embodiments import embodiments, is_known
 from lfr.errors import LfrError, ParameterError, UnknownNameError
 from lfr.external import ExternalArm, external
 from lfr.params import PARAMS, from_mapping, read_yaml
-from lfr.robots import ROBOTS
 from lfr.tasks import TASKS
 from lfr.tasks import task as task_named
 
@@ -205,8 +205,9 @@ def _scenario(name: str, entry: object, where: str, arms: Mapping[str, ExternalA
     read = from_mapping(_Entry, entry, where)
     robots = read.arms or tuple(read.new)
     for robot in (*read.new, *robots):
-        if robot not in (*ROBOTS, *arms):
-            raise UnknownNameError("robot", robot, (*ROBOTS, *arms))
+        if robot not in arms and not is_known(robot):
+            simulated = (body.name for body in embodiments())
+            raise UnknownNameError("robot", robot, (*simulated, *arms))
     if len(set(robots)) != 2 or len(robots) != 2:
         kind = "arms" if read.arms else "new"
         raise ParameterError(f"{where}: found {len(robots)} robots under {kind!r}, expected two")

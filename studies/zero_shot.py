@@ -23,8 +23,8 @@ from lfr.mapping.artifacts import load_generator
 from lfr.mapping.policy import MappedFiles
 from lfr.policies import Pinned
 from lfr.scenarios import Role, Transfer
-from lfr.skills.artifacts import load_vae
-from lfr.skills.library import RoleModels
+from lfr.skills.artifacts import check_actions, load_vae
+from lfr.skills.library import RoleModels, same_actions
 from lfr.skills.policy import SkillFiles, SkillPolicy
 from studies.ablations.other_task import load_other_task
 
@@ -39,8 +39,9 @@ class WrongTaskFiles:
     generator: str
     decoder: str
 
-    def load(self) -> SkillPolicy:
-        """Raises DataError where a folder holds no such model, or a damaged one."""
+    def load(self, robot: str) -> SkillPolicy:
+        """Raises DataError where a folder holds no such model, a damaged one or other actions."""
+        check_actions(Path(self.decoder), robot)
         prior = load_other_task(Path(self.other_task_prior))
         translate = load_generator(Path(self.generator))
         return SkillPolicy(prior, translate, load_vae(Path(self.decoder)))
@@ -59,7 +60,8 @@ def model_trials(
     if transfer.oracle:
         oracle = str(skills["oracle"].vae())
         policies["oracle"] = SkillFiles(str(skills["oracle"].prior(task)), oracle)
-        policies["oracle_decoder"] = SkillFiles(prior, oracle, encoder=vae)
+        if same_actions(skills):
+            policies["oracle_decoder"] = SkillFiles(prior, oracle, encoder=vae)
     own = Trial(Pinned.of(SkillFiles(prior, vae)), transfer.source, task, episodes)
     chain = chain_trials(transfer, skills, mapping, episodes)
     return {

@@ -8,8 +8,10 @@ Every link is zero-shot success on the transfer's new task, over the same held-o
     mapped    source prior, G, target decoder: what transfer learning starts from
     oracle    the target's own prior of the new task, with the decoder of all its tasks
 
-The first and the last are what a prior does on its own arm (`lfr.evaluation.own_arm`), which the
-skills stage measures; `lfr.evaluation.records.chain_records` puts the chain together.
+Where the two arms' actions are different things, such as motions of their joints, there is neither
+identity nor recoded. The first and the last are what a prior does on its own arm
+(`lfr.evaluation.own_arm`), which the skills stage measures; `lfr.evaluation.records.chain_records`
+puts the chain together.
 """
 
 from __future__ import annotations
@@ -23,8 +25,9 @@ from lfr.evaluation.trials import Trial, success_rate, trial_jobs
 from lfr.jobs import Job, run_jobs
 from lfr.mapping.models import MappingJob, fit_mapping
 from lfr.mapping.policy import MappedFiles
+from lfr.policies import PolicySource
 from lfr.scenarios import Role, Transfer
-from lfr.skills.library import RoleModels
+from lfr.skills.library import RoleModels, same_actions
 from lfr.skills.policy import SkillFiles
 
 
@@ -43,11 +46,11 @@ def chain_trials(
     """
     task, source = transfer.task, skills["source"]
     prior, vae, target_vae = map(str, (source.prior(task), source.vae(), skills["target"].vae()))
-    policies = {
-        "identity": SkillFiles(prior, vae),
-        "recoded": SkillFiles(prior, target_vae, encoder=vae),
-        "mapped": MappedFiles(prior, str(mapping / "g"), target_vae),
-    }
+    policies: dict[str, PolicySource] = {}
+    if same_actions(skills):
+        policies["identity"] = SkillFiles(prior, vae)
+        policies["recoded"] = SkillFiles(prior, target_vae, encoder=vae)
+    policies["mapped"] = MappedFiles(prior, str(mapping / "g"), target_vae)
     return {name: Trial(files, transfer.target, task, episodes) for name, files in policies.items()}
 
 

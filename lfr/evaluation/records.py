@@ -111,7 +111,7 @@ def chain_records(transfers: Sequence[str], results: Path = RESULTS) -> dict[str
     """Each transfer's chain: its arms and task, and zero-shot success link by link.
 
     The first and the last link are priors on their own arm, which the skills stage has measured for
-    every transfer that shares them.
+    every transfer that shares them. A link that the arms' actions do not allow is left out.
     """
     records = {}
     for transfer in transfers:
@@ -122,7 +122,8 @@ def chain_records(transfers: Sequence[str], results: Path = RESULTS) -> dict[str
             models = read_json(results / "skills" / f"{robot}.json")["models"]
             zero_shot[link] = models[tasks]["prior"][found["task"]]["own_arm"]
         about = {key: found[key] for key in ("source", "target", "task")}
-        records[transfer] = {**about, "zero_shot": {link: zero_shot[link] for link in CHAIN}}
+        links = [link for link in CHAIN if link in zero_shot]
+        records[transfer] = {**about, "zero_shot": {link: zero_shot[link] for link in links}}
     return records
 
 

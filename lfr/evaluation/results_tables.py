@@ -37,7 +37,10 @@ def summary(records: Sequence[Record], chains: Mapping[str, Record]) -> dict[str
         groups.setdefault(f"{record['transfer']}-{record['method']}", []).append(record)
     return {
         name: {
-            **{link: chains[runs[0]["transfer"]]["zero_shot"][link]["rate"] for link in CHAIN},
+            **{
+                link: found["rate"]
+                for link, found in chains[runs[0]["transfer"]]["zero_shot"].items()
+            },
             "zero_shot": fmean(record["zero_shot"] for record in runs),
             "success": fmean(record["success"] for record in runs),
             "env_steps": fmean(record["env_steps"] for record in runs),
@@ -73,8 +76,8 @@ def chain_table(chains: Mapping[str, Record]) -> str:
     header = ["transfer", "from", "to", *(link.replace("_", " ") for link in CHAIN)]
     rows = []
     for name, chain in chains.items():
-        found = [chain["zero_shot"][link] for link in CHAIN]
-        rates = [percent(one["rate"], (one["low"], one["high"])) for one in found]
+        found = [chain["zero_shot"].get(link) for link in CHAIN]
+        rates = [percent(one["rate"], (one["low"], one["high"])) if one else "-" for one in found]
         rows.append([name, chain["source"], chain["target"], *rates])
     return markdown(header, rows)
 

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from lfr.artifacts import read_json
+from lfr.embodiments import is_known
 from lfr.errors import DataError
-from lfr.robots import ROBOTS
 
 CONFIG, TENSORS = "config.json", "model.safetensors"
 STAGES = {  # kind of model -> the stage that makes it
@@ -117,7 +117,8 @@ def _names(path: Path, stage: str, parts: tuple[Part, ...]) -> tuple[str, str]:
     else:
         name = seen.get("robot" if stage == "skills" else "transfer", place.name)
     inside = place.name if place.parent.name == name else ""
-    made_by = f"external-{stage}" if stage == "skills" and name not in ROBOTS else stage
+    external = stage == "skills" and not is_known(name)
+    made_by = f"external-{stage}" if external else stage
     return name, "/".join(filter(None, ("models", made_by, name, inside)))
 
 

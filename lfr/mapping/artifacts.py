@@ -17,7 +17,8 @@ class MappingSeen:
 
     Attributes:
         transfer: its name.
-        source, target: the two arms; G leads from the source's latent space to the target's.
+        source, target: the two embodiments, or external arms; G leads from the source's latent
+            space to the target's.
         skills: of either arm's skill models, ``<robot>/<tasks>`` (`lfr.skills.library`): whose
             latent spaces these are.
         tasks: the common tasks.

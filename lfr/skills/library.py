@@ -8,7 +8,7 @@ the role see (`lfr.scenarios.visible_tasks`).
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -99,6 +99,17 @@ def transfer_models(scenario: Scenario, transfer: Transfer, root: Path) -> dict[
         role: RoleModels(scenario, robot, role, str(root))
         for role, robot in roles_of(transfer).items()
     }
+
+
+def same_actions(skills: Mapping[Role, RoleModels]) -> bool:
+    """Whether the actions of source and target are called alike, so that each can carry out the
+    other's.
+
+    Raises:
+        DataError, LfrError: as `RoleModels.vae`.
+    """
+    source, target = (load_seen(skills[role].vae()).actions for role in ("source", "target"))
+    return source == target
 
 
 def prior_tasks(scenario: Scenario, robot: str, role: Role) -> tuple[str, ...]:

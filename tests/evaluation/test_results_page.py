@@ -7,19 +7,13 @@ from typing import Any
 
 import pytest
 
-from lfr.artifacts import write_json
+from lfr.artifacts import read_json, write_json
 from lfr.errors import DataError
 from lfr.evaluation import figures
 from lfr.evaluation import results_tables as tables
-from lfr.evaluation.chain import chain_trials
 from lfr.evaluation.records import CHAIN, chain_records, read_runs, transfer_records
 from lfr.evaluation.results_page import report
 from lfr.evaluation.success_rate import success_of
-from lfr.scenarios import Scenario, transfers_of
-from lfr.skills.library import transfer_models
-from lfr.skills.prior import SkillPrior
-from lfr.skills.vae import SkillVAE
-from tests.skills.made_up import save_models
 
 NAME = "s1-panda-lift-lfr"
 
@@ -112,6 +106,22 @@ def test_tables_show_the_rates(results: Path) -> None:
     assert shown["oracle"] == 0.4
 
 
+def test_links_that_the_arms_do_not_allow_are_left_out(results: Path) -> None:
+    file = results / "chain" / "s1-panda-lift.json"
+    chain = read_json(file)
+    del chain["zero_shot"]["identity"], chain["zero_shot"]["recoded"]
+    write_json(file, chain)
+    chains = chain_records(["s1-panda-lift"], results)
+    assert tuple(chains["s1-panda-lift"]["zero_shot"]) == ("own_arm", "mapped", "oracle")
+    header, _, row = tables.chain_table(chains).splitlines()
+    cells = [[cell.strip() for cell in line.split("|")[1:-1]] for line in (header, row)]
+    found = dict(zip(*cells, strict=True))
+    assert (found["identity"], found["recoded"]) == ("-", "-")
+    assert found["mapped"].startswith("30 (")
+    records = transfer_records(read_runs(["s1-panda-lift"], ["lfr"], results))
+    assert "identity" not in tables.summary(records, chains)[NAME]
+
+
 def test_the_report_says_of_each_stage_how_it_ran(results: Path) -> None:
     records = transfer_records(read_runs(["s1-panda-lift"], ["lfr"], results))
     text = report(records, chain_records(["s1-panda-lift"], results), results)
@@ -149,18 +159,3 @@ def test_the_figure_is_the_same_bytes_again(results: Path) -> None:
         figures.learning_figure(file, curves, records, warm_up=1000)
     assert files[0].read_bytes() == files[1].read_bytes()
     assert b"<svg" in files[0].read_bytes()
-
-
-def test_the_chain_has_its_links_in_order_and_on_the_right_arm(tmp_path: Path) -> None:
-    scenario = Scenario("s1", ("pick_place",), {"panda": "lift", "sawyer": "stack"})
-    transfer, _ = transfers_of(scenario)
-    skills = transfer_models(scenario, transfer, tmp_path)
-    vae, prior = SkillVAE(2, 2, 2, 2), SkillPrior(("number.x",), 2, 2, 1)
-    save_models(skills["source"], vae, {"lift": prior})
-    save_models(skills["target"], vae, {})
-    trials = chain_trials(transfer, skills, Path("mapping"), 10)
-    own_arm = {"own_arm", "oracle"}  # measured by the skills stage
-    assert tuple(trials) == tuple(link for link in CHAIN if link not in own_arm)
-    assert {trial.robot for trial in trials.values()} == {"panda"}
-    assert {trial.task for trial in trials.values()} == {"lift"}
-    assert {trial.episodes for trial in trials.values()} == {10}

@@ -21,10 +21,10 @@ from lfr.skills.symmetry import (
     moved_states,
     suited,
 )
+from lfr.spaces import Space, gripper_action, joint_motion
 from lfr.tasks import TASKS
 
-CARTESIAN = embodiment("panda").action.names
-
+OSC = embodiment("panda").action.names
 angles = st.floats(-math.pi, math.pi)
 mirrors = st.sampled_from([-1.0, 1.0])
 shifts = st.tuples(st.floats(-0.2, 0.2), st.floats(-0.2, 0.2))
@@ -75,7 +75,7 @@ def test_the_expert_in_a_moved_scene_does_the_moved_action(
     action = torch.tensor(expert.clean(seen[0].numpy()))
     moved = motion(angle, mirror, shift)
     there = expert.clean(move(seen, layout.names, moved)[0].numpy())
-    expected = move_actions(action[None, None], CARTESIAN, moved)[0, 0].numpy()
+    expected = move_actions(action[None, None], OSC, moved)[0, 0].numpy()
     np.testing.assert_allclose(there, expected, atol=1e-6)
 
 
@@ -105,7 +105,7 @@ def test_every_task_can_be_moved(task: str) -> None:
     observations, actions = torch.randn(5, len(names)), torch.rand(5, 10, 7) - 0.5
     generator = torch.Generator().manual_seed(0)
     params = SymmetryParams(copies=2)
-    seen, done = moved_copies(observations, actions, names, CARTESIAN, params, generator)
+    seen, done = moved_copies(observations, actions, names, OSC, params, generator)
     assert seen.shape == (15, len(names))
     assert done.shape == (15, 10, 7)
     torch.testing.assert_close(seen[:5], observations)
@@ -118,25 +118,55 @@ def test_no_copies_are_the_demonstrations_themselves() -> None:
     names = TASKS["stack"].observation.names
     observations, actions = torch.randn(4, len(names)), torch.randn(4, 10, 7)
     params = SymmetryParams(copies=0)
-    seen, done = moved_copies(observations, actions, names, CARTESIAN, params, torch.Generator())
+    seen, done = moved_copies(observations, actions, names, OSC, params, torch.Generator())
     assert seen is observations
     assert done is actions
+
+
+def joint_actions(joints: int) -> tuple[torch.Tensor, tuple[str, ...]]:
+    """Windows (4, 10, A) of an arm of so many joints, and the names of their dimensions."""
+    motions = joint_motion([f"joint{number}" for number in range(joints)])
+    names = Space((motions, gripper_action())).names
+    return torch.rand(4, 10, len(names)) - 0.5, names
+
+
+@pytest.mark.parametrize("joints", [5, 6, 7, 14])
+def test_joint_motions_are_the_same_in_a_turned_scene_and_unknown_in_another(joints: int) -> None:
+    actions, names = joint_actions(joints)
+    turn = SymmetryParams(copies=1, mirror=False, shift=0.0)
+    turned = SceneMotion.draw(len(actions), turn, torch.Generator().manual_seed(0))
+    assert torch.equal(move_actions(actions, names, turned), actions)
+    for further in (SymmetryParams(mirror=True, shift=0.0), SymmetryParams(mirror=False)):
+        motion = SceneMotion.draw(len(actions), further, torch.Generator().manual_seed(0))
+        with pytest.raises(LfrError, match="'dq' moves with the scene is not known"):
+            move_actions(actions, names, motion)
+
+
+def test_what_is_asked_for_is_cut_down_to_what_is_known_of_the_action() -> None:
+    asked, (_, joints) = SymmetryParams(), joint_actions(6)
+    assert suited(asked, OSC) == asked
+    kept = suited(asked, joints)
+    assert (kept.copies, kept.turn) == (asked.copies, asked.turn)
+    assert (kept.shift, kept.mirror) == (0.0, False)
+    assert suited(asked, ("number.left", "gripper")).copies == 0
+
+
+def test_copies_of_joint_demonstrations_turn_the_scene_alone() -> None:
+    names = TASKS["lift"].observation.names
+    actions, action_names = joint_actions(6)
+    observations = torch.randn(4, len(names))
+    generator = torch.Generator().manual_seed(0)
+    params = SymmetryParams(copies=1)
+    seen, done = moved_copies(observations, actions, names, action_names, params, generator)
+    assert torch.equal(done, torch.cat([actions, actions]))
+    place = names.index("cube_pos.z")
+    assert torch.equal(seen[4:, place], observations[:, place])  # not shifted
+    assert not torch.allclose(seen[4:, place - 1], observations[:, place - 1])
 
 
 def test_an_unknown_quantity_is_refused() -> None:
     with pytest.raises(LfrError, match="wrist_torque"):
         move(torch.zeros(1, 1), ["wrist_torque.x"], motion(0.1, 1.0, (0.0, 0.0)))
-
-
-def test_joint_motions_stay_in_a_turned_scene_and_no_other_motion_is_known() -> None:
-    names = embodiment("ur5e-joint_position").action.names
-    params = suited(SymmetryParams(), names)
-    assert params == SymmetryParams(shift=0.0, mirror=False)
-    actions, generator = torch.rand(5, 10, len(names)) - 0.5, torch.Generator().manual_seed(0)
-    turned = SceneMotion.draw(5, params, generator)
-    torch.testing.assert_close(move_actions(actions, names, turned), actions)
-    with pytest.raises(LfrError, match="how 'dq' moves with the scene is not known"):
-        move_actions(actions, names, SceneMotion.draw(5, SymmetryParams(), generator))
 
 
 @given(rows=st.integers(1, 2 * MOST_ROWS), copies=st.integers(0, 40))

@@ -8,8 +8,7 @@ from lfr.skills.params import VAEParams
 from lfr.skills.training import train_vae
 from lfr.skills.vae import LOG_SIGMA_RANGE, SkillVAE, reconstruction_rmse, vae_loss
 
-NAMES = embodiment("panda").action.names
-
+OSC = embodiment("panda").action.names
 TINY = VAEParams(horizon=4, latent_dim=3, hidden=8, steps=20, batch=8)
 
 
@@ -60,8 +59,8 @@ def test_training_brings_the_loss_down_and_a_seed_fixes_it() -> None:
     actions = windows(64)[:, :1].expand(-1, 4, -1).contiguous()
     actions[..., 3:] = 0.0
     params = VAEParams(4, 3, 32, alpha=1e-4, steps=300, batch=32, learning_rate=1e-2, augment=0.0)
-    trained = train_vae(actions, NAMES, params, seed=5)
-    untrained = train_vae(actions, NAMES, VAEParams(4, 3, 32, steps=0), seed=5)
+    trained = train_vae(actions, OSC, params, seed=5)
+    untrained = train_vae(actions, OSC, VAEParams(4, 3, 32, steps=0), seed=5)
     before = reconstruction_rmse(untrained, actions)[:3].max()
     assert reconstruction_rmse(trained, actions)[:3].max() < 0.4 * before
 
@@ -69,8 +68,8 @@ def test_training_brings_the_loss_down_and_a_seed_fixes_it() -> None:
 @pytest.mark.parametrize("augment", [0.0, 0.5])
 def test_the_same_seed_gives_the_same_tensors(augment: float) -> None:
     params = VAEParams(4, 3, 8, steps=10, batch=8, augment=augment)
-    first, second = (train_vae(windows(20), NAMES, params, seed=3).state_dict() for _ in range(2))
-    other = train_vae(windows(20), NAMES, params, seed=4).state_dict()
+    first, second = (train_vae(windows(20), OSC, params, seed=3).state_dict() for _ in range(2))
+    other = train_vae(windows(20), OSC, params, seed=4).state_dict()
     assert all(torch.equal(first[name], second[name]) for name in first)
     assert not torch.equal(first["output.weight"], other["output.weight"])
 

@@ -87,8 +87,9 @@ def test_every_policy_has_its_arm_and_acts(folders: tuple[Path, Path, Path]) -> 
     assert on_source == {"own_arm", "between_seeds"}
     for trial in trials.values():
         assert (trial.task, trial.episodes) == ("lift", 5)
-        assert trial.policy.load().act(torch.zeros(len(LIFT)).numpy()).shape == (4, 7)
-    wrong = trials["wrong_task"].policy.load()
+        policy = trial.policy.load(trial.robot)
+        assert policy.act(torch.zeros(len(LIFT)).numpy()).shape == (4, 7)
+    wrong = trials["wrong_task"].policy.load("panda")
     assert isinstance(wrong, SkillPolicy)
     assert isinstance(wrong.prior, OtherTaskPrior)
     # No two are the same policy on the same arm.

@@ -100,9 +100,9 @@ def test_every_pair_of_tasks(inner: str, new: str) -> None:
     assert len(known) == len(set(known))  # nothing stands for two things
     assert all(columns[name] == name for name in ROBOT_STATE.names)
     theirs, ours = task(inner).manipulated, task(new).manipulated
-    for quantity in ("{}_pos", "{}_up", "eef_to_{}"):  # all tasks have these
+    for form in ("{}_pos", "{}_up", "eef_to_{}"):  # all tasks have these
         for axis in "xyz":
-            assert columns[f"{quantity.format(theirs)}.{axis}"] == f"{quantity.format(ours)}.{axis}"
+            assert columns[f"{form.format(theirs)}.{axis}"] == f"{form.format(ours)}.{axis}"
     # Components stay what they are, and the way back is the same.
     back = found(new, inner)
     for name, other in columns.items():
@@ -160,10 +160,13 @@ def test_saved_and_loaded(tmp_path: Path) -> None:
 @pytest.mark.parametrize("of", TASKS)
 def test_what_every_task_has(of: str) -> None:
     places, object_ = any_task_places(task(of)), task(of).manipulated
-    groups = (f"{object_}_pos", f"{object_}_up", f"eef_to_{object_}")
     expected = (
         *ROBOT_STATE.names,
-        *(f"{group}.{axis}" for group in groups for axis in "xyz"),
+        *(
+            f"{form.format(object_)}.{axis}"
+            for form in ("{}_pos", "{}_up", "eef_to_{}")
+            for axis in "xyz"
+        ),
     )
     assert tuple(names(of)[place] for place in places) == expected
     assert len(ANY_TASK_NAMES) == len(expected)
