@@ -17,8 +17,9 @@ import pyarrow.parquet as pq
 
 from lfr.artifacts import read_json, write_json
 from lfr.curation.exact_stats import dataset_stats, episode_stats
-from lfr.data.episode import DONE, FEATURES, REWARD, SUCCESS, features
+from lfr.data.episode import DONE, FEATURES, REWARD, SUCCESS, features_of
 from lfr.data.tables import VERSION
+from lfr.embodiments import embodiment
 from lfr.spaces import ROBOT_STATE
 from lfr.tasks import task
 
@@ -45,7 +46,7 @@ def write_dataset(
     lengths = rng.integers(size.shortest, size.longest + 1, size.episodes)
     rows, ends = int(lengths.sum()), np.cumsum(lengths)
     about = task(task_name)
-    schema = features(ROBOT_STATE.names, about.environment.names)
+    schema = features_of(embodiment(robot), about)
     columns: dict[str, np.ndarray] = {}
     for f in FEATURES:
         width = len(schema[f.key].names or ())

@@ -16,23 +16,24 @@ Each job has a process of its own, as in the stages, and its peak is the one tha
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 from benchmarks._datasets import Size, as_of_robot, scratch, write_dataset
 from benchmarks._figures import FOLDER, Figure, show, within, write
+from lfr.jobs import Job
 from lfr.jobs.memory import own_peak
 from lfr.jobs.order import Order
 from lfr.jobs.pool import run_in_pool
-from lfr.jobs.results import Tally
+from lfr.jobs.results import Results
 from lfr.mapping.models import MappingJob, fit_mapping
 from lfr.mapping.training import MappingParams
 from lfr.params import read_section
 from lfr.progress import progress
-from lfr.scenarios import Role, Scenario, transfers_of
-from lfr.skills.models import ModelJob, fit_prior, fit_vae
+from lfr.scenarios import Role, Scenario, transfers_of, visible_tasks
+from lfr.skills.library import transfer_models
+from lfr.skills.models import PriorTraining, VAETraining, fit_prior, fit_vae
 from lfr.skills.params import SkillsParams
 
 GIB = 2**30
@@ -40,9 +41,6 @@ GIB_GOAL = 2.0
 FEW = Size(episodes=20)
 SCENARIO = Scenario("large", common=("lift",), new={"panda": "stack", "sawyer": "pick_place"})
 TRANSFER = transfers_of(SCENARIO)[0]  # Panda learns to stack from Sawyer
-
-Fit = tuple[Callable[[Any], Any], Any]
-"""A job's function and its specification."""
 
 
 @dataclass(frozen=True)
@@ -61,31 +59,30 @@ class Fits:
     skills: SkillsParams
     mapping: MappingParams
 
-    def vae(self) -> Fit:
-        return fit_vae, self._model("target", None, self.large)
+    def vae(self) -> Job:
+        return Job(fit_vae, self._vae("target", self.large))
 
-    def prior(self) -> Fit:
-        return fit_prior, self._model("target", "lift", self.large)
+    def prior(self) -> Job:
+        return Job(fit_prior, PriorTraining(self._vae("target", self.large), "lift"))
 
-    def source(self) -> list[Fit]:
-        tasks = (TRANSFER.task, *TRANSFER.common)
-        priors = [(fit_prior, self._model("source", task, self.few)) for task in tasks]
-        return [(fit_vae, self._model("source", None, self.few)), *priors]
+    def source(self) -> list[Job]:
+        vae = self._vae("source", self.few)
+        priors = [Job(fit_prior, PriorTraining(vae, task)) for task in vae.tasks]
+        return [Job(fit_vae, vae), *priors]
 
-    def generators(self) -> Fit:
-        skills, mapping = str(self.folder / "skills"), str(self.folder / "mapping")
-        return fit_mapping, MappingJob(
+    def generators(self) -> Job:
+        skills = transfer_models(SCENARIO, TRANSFER, self.folder / "skills")
+        spec = MappingJob(
             scenario=SCENARIO, transfer=TRANSFER, params=self.mapping,
-            held_out=self.skills.held_out, seed=0, skills=skills, folder=mapping,
-            datasets=str(self.large),
+            held_out=self.skills.held_out, seed=0, skills=skills,
+            folder=str(self.folder / "mapping"), datasets=str(self.large),
         )  # fmt: skip
+        return Job(fit_mapping, spec)
 
-    def _model(self, role: Role, task: str | None, datasets: Path) -> ModelJob:
+    def _vae(self, role: Role, datasets: Path) -> VAETraining:
         robot = TRANSFER.source if role == "source" else TRANSFER.target
-        return ModelJob(
-            scenario=SCENARIO, robot=robot, role=role, task=task, params=self.skills, seed=0,
-            folder=str(self.folder / "skills"), datasets=str(datasets),
-        )  # fmt: skip
+        tasks = tuple(sorted(visible_tasks(SCENARIO, robot, role)))
+        return VAETraining(robot, tasks, self.skills, 0, str(self.folder / "skills"), str(datasets))
 
 
 def write_datasets(folder: Path, episodes: int) -> tuple[Path, Path]:
@@ -102,23 +99,24 @@ def write_datasets(folder: Path, episodes: int) -> tuple[Path, Path]:
     return large, few
 
 
-def fit(fits: Sequence[Fit]) -> int:
+def fit(jobs: Sequence[Job]) -> int:
     """Carry out jobs one after the other; the most bytes that this process has had so far."""
-    for function, job in fits:
-        function(job)
+    for job in jobs:
+        job.function(job.spec)
     return own_peak()
 
 
-def peak(*fits: Fit) -> int:
+def peak(*jobs: Job) -> int:
     """As `fit`, in a process of its own.
 
     It is forked from a server that has done nothing: the peak of a process that was started by
     `exec` is at least that of the one that started it (Linux's `ru_maxrss` outlives `exec`).
     """
-    found: dict[int, int] = {}
+    found: dict[Job, int] = {}
+    job = Job(fit, jobs)
     with progress(1) as bar:
-        run_in_pool(fit, {0: fits}, Order([0], {}), 1, Tally(bar, found.__setitem__))
-    return found[0]
+        run_in_pool(Order([job]), 1, Results(bar, found.__setitem__))
+    return found[job]
 
 
 def measure(folder: Path, episodes: int, steps: int) -> list[Figure]:
@@ -131,7 +129,7 @@ def measure(folder: Path, episodes: int, steps: int) -> list[Figure]:
     fits = Fits(folder / "models", large, few, skills, replace(mapping, steps=steps))
     figures: list[Figure] = []
 
-    def add(name: str, job: Fit) -> None:
+    def add(name: str, job: Job) -> None:
         label, unit = f"memory/{name}_of_{episodes}_episodes", f"GiB at most, {steps} steps"
         figures.append(within(label, unit, GIB_GOAL, [peak(job) / GIB]))
         show(figures[-1])

@@ -62,6 +62,18 @@ def read_yaml(path: Path) -> dict[str, Any]:
     return content
 
 
+def read_names(section: str, path: Path = PARAMS) -> list[str]:
+    """The names that a section of a YAML file lists; none where there is no such section.
+
+    Raises:
+        ParameterError: the section is no list of names.
+    """
+    names = read_yaml(path).get(section, [])
+    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+        raise ParameterError(f"{path}: {section}: found {names!r}, expected a list of names")
+    return names
+
+
 def from_mapping[Section: DataclassInstance](
     cls: type[Section], mapping: object, where: str
 ) -> Section:

@@ -42,8 +42,13 @@ class Policy(Protocol):
 class PolicySource(Protocol):
     """A frozen dataclass of the folders of a policy; it names the policy in a job."""
 
-    def load(self) -> Policy:
-        """Raises DataError where a folder holds no such model, or a damaged one."""
+    def load(self, robot: str, /) -> Policy:
+        """The policy, to act on the embodiment called ``robot``.
+
+        Raises:
+            DataError: a folder holds no such model, or a damaged one, or the policy's actions are
+                not this embodiment's.
+        """
         ...
 
 
@@ -60,8 +65,8 @@ class Pinned:
         folders = (Path(folder) for folder in vars(source).values() if folder)
         return cls(source, fingerprint(*folders))
 
-    def load(self) -> Policy:
-        return self.source.load()
+    def load(self, robot: str) -> Policy:
+        return self.source.load(robot)
 
 
 class Simulated(Protocol):

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from lfr.scenarios import Transfer
+from lfr.scenarios import Role, Transfer
+from lfr.skills.library import RoleModels
 from lfr.transfer.log import LearningLog
 from lfr.transfer.methods import initialize
 from lfr.transfer.methods.initialization import TrainedModels
@@ -22,7 +24,8 @@ class RunJob:
     Attributes:
         folder: what the run leaves: the policies ``initial`` and ``policy``, and ``learning``, its
             course (`lfr.transfer.log`); ``checkpoints`` while it learns.
-        skills, mapping: folders of the transfer's models.
+        skills: the transfer's skill models.
+        mapping: folder of its G and F.
     """
 
     transfer: Transfer
@@ -30,7 +33,7 @@ class RunJob:
     seed: int
     params: TransferParams
     folder: str
-    skills: str
+    skills: Mapping[Role, RoleModels]
     mapping: str
 
 
@@ -38,7 +41,7 @@ def learn(job: RunJob) -> dict[str, Any]:
     """Run it, or go on where it was killed; counts and the curve, as `lfr.transfer.train` says."""
     transfer, folder = job.transfer, Path(job.folder)
     robot, task = transfer.target, transfer.task
-    models = TrainedModels(transfer, Path(job.skills), Path(job.mapping))
+    models = TrainedModels(transfer, job.skills, Path(job.mapping))
     initialization = initialize(job.method, models, job.params, job.seed)
     about = {"transfer": transfer.name, "method": job.method}
     described = {"robot": robot, "task": task, "seed": job.seed, **about}

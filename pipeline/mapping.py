@@ -1,19 +1,23 @@
 """Stage mapping: G and F of one transfer, and the chain of zero-shot success around them."""
 
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 
 from lfr.evaluation.chain import chain_trials, train_and_measure
 from lfr.evaluation.protocol import EvaluateParams
-from lfr.external import external_arms
+from lfr.external import ExternalArm, external_arms
 from lfr.mapping.models import mapping_job
 from lfr.mapping.training import MappingParams
 from lfr.params import read_section
 from lfr.program import run_stage
+from lfr.scenarios import Role, Transfer
 from lfr.scenarios import scenario as scenario_named
 from lfr.scenarios import transfer as transfer_named
-from lfr.skills.demonstrations import DATASETS
+from lfr.skills.demonstrations import dataset_of
+from lfr.skills.library import RoleModels
 from lfr.skills.params import SkillsParams
+from pipeline._skills import skills_of
 from pipeline._stage import SeedParams, models_into, rows_of, unfinished_work, write_metrics
 
 
@@ -27,20 +31,10 @@ def main(transfer: str) -> None:
     params = read_section(MappingParams, "mapping")
     held_out = read_section(SkillsParams, "skills").held_out
     seed = read_section(SeedParams, "seeds").models
-    skills = Path("models/skills") / transfer
     arms = external_arms(scenario.robots)
-    datasets = [
-        arms[robot].dataset(task) if robot in arms else DATASETS / f"{robot}-{task}"
-        for robot, tasks in (
-            (chosen.source, (*chosen.common, chosen.task)),
-            (chosen.target, chosen.common),
-        )
-        for task in tasks
-    ]
-    inputs = rows_of(datasets)
-    work = unfinished_work(
-        "mapping", transfer, chosen, params, held_out, seed, skills, arms, *inputs
-    )
+    skills = skills_of(scenario, chosen, arms)
+    inputs = _inputs(chosen, skills, arms)
+    work = unfinished_work("mapping", transfer, chosen, params, held_out, seed, arms, *inputs)
 
     models = work / "models"
     job = mapping_job(scenario, chosen, params, held_out, seed, skills, models, arms=arms)
@@ -51,9 +45,25 @@ def main(transfer: str) -> None:
     report, chain = train_and_measure(job, trials, work, f"mapping {transfer}")
     if chain:
         about = {"source": chosen.source, "target": chosen.target, "task": chosen.task}
-        write_metrics("chain", transfer, {**about, "zero_shot": chain})
+        names = {role: models.name for role, models in skills.items()}
+        write_metrics("chain", transfer, {**about, "skills": names, "zero_shot": chain})
     models_into(Path("models/mapping") / transfer, models)
     write_metrics("mapping", transfer, report)
+
+
+def _inputs(
+    transfer: Transfer, skills: Mapping[Role, RoleModels], arms: Mapping[str, ExternalArm]
+) -> list[Path]:
+    """The models and the rows of datasets that the mapping is learned from, and no others."""
+    models, datasets = [], []
+    known: dict[Role, tuple[str, ...]] = {
+        "source": (*transfer.common, transfer.task), "target": transfer.common,
+    }  # fmt: skip
+    for role, tasks in known.items():
+        of = skills[role]
+        models += [of.vae(), *(of.prior(task) for task in tasks)]
+        datasets += [dataset_of(of.robot, task, arm=arms.get(of.robot)) for task in tasks]
+    return [*models, *rows_of(datasets)]
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ from lfr.evaluation.readme import results_block, update_readme
 from lfr.evaluation.records import RESULTS, chain_records, read_runs, transfer_records
 from lfr.evaluation.results_page import report
 from lfr.external import external
-from lfr.params import PARAMS, read_yaml
+from lfr.params import PARAMS, read_names
 from lfr.program import run_stage
 from lfr.scenarios import transfer as transfer_named
 
@@ -44,9 +44,9 @@ def main() -> None:
 
 
 def _listed(section: str) -> list[str]:
-    names = read_yaml(PARAMS).get(section)
-    if not isinstance(names, list) or not names:
-        raise ParameterError(f"{PARAMS}: {section}: found {names!r}, expected a list of names")
+    names = read_names(section)
+    if not names:
+        raise ParameterError(f"{PARAMS}: {section}: names nothing that a report could be of")
     return names
 
 

@@ -1,47 +1,64 @@
-"""Stage skills: the skill VAEs and priors of one transfer's source, target and oracle."""
+"""Stage skills: the skill VAEs and priors of one robot that any transfer needs."""
 
+import shutil
 import sys
 from pathlib import Path
 
+from lfr.artifacts import write_whole
+from lfr.embodiments import embodiment
 from lfr.evaluation.own_arm import train_and_measure
 from lfr.evaluation.protocol import EvaluateParams
-from lfr.external import external_arms
-from lfr.params import read_section
+from lfr.external import external, external_arms
+from lfr.params import read_names, read_section
 from lfr.program import run_stage
 from lfr.scenarios import scenario as scenario_named
 from lfr.scenarios import transfer as transfer_named
-from lfr.scenarios import visible_tasks
 from lfr.skills.compatible import check_arms
-from lfr.skills.demonstrations import DATASETS
-from lfr.skills.models import model_jobs, roles_of
+from lfr.skills.demonstrations import dataset_of
+from lfr.skills.library import needed_models
+from lfr.skills.models import ModelJobs, model_jobs
 from lfr.skills.params import SkillsParams
-from pipeline._stage import SeedParams, models_into, rows_of, unfinished_work, write_metrics
+from pipeline._skills import skills_root
+from pipeline._stage import SeedParams, rows_of, unfinished_work, write_metrics
 
 
-def main(transfer: str) -> None:
-    """Train the skill models that a transfer needs into models/skills/<transfer>.
+def main(robot: str) -> None:
+    """Train the skill models of a robot that the transfers of params.yaml need.
 
-    Without a simulation of both arms nothing is said of the priors' success.
+    They go to models/skills/<robot>, those of an arm that is not simulated to
+    models/external-skills/<robot>, and nothing is said of such priors' success.
     """
-    chosen = transfer_named(transfer)
-    scenario = scenario_named(chosen.scenario)
+    arm = external_arms([robot]).get(robot)
+    if arm is None:
+        embodiment(robot)
     params = read_section(SkillsParams, "skills")
     seed = read_section(SeedParams, "seeds").models
-    arms = external_arms(scenario.robots)
-    check_arms(scenario, arms)
-    datasets = {
-        arms[robot].dataset(task) if robot in arms else DATASETS / f"{robot}-{task}"
-        for role, robot in roles_of(chosen).items()
-        for task in visible_tasks(scenario, robot, role)
-    }
+    transfers = [transfer_named(name) for name in (*read_names("transfers"), *external().transfers)]
+    scenarios = [scenario_named(transfer.scenario) for transfer in transfers]
+    for scenario in scenarios:
+        if robot in scenario.robots:
+            check_arms(scenario, external_arms(scenario.robots))
+    needed = needed_models(robot, zip(scenarios, transfers, strict=True))
+    datasets = {dataset_of(robot, task, arm=arm) for tasks in needed for task in tasks}
+    # Not `needed` itself: another transfer trains what it needs beyond the others.
     inputs = rows_of(sorted(datasets))
-    work = unfinished_work("skills", transfer, scenario, params, seed, arms, *inputs)
+    work = unfinished_work("skills", robot, params, seed, arm, *inputs)
 
-    jobs = model_jobs(scenario, chosen, params, seed, work / "models", arms=arms)
-    episodes = 0 if arms else read_section(EvaluateParams, "evaluate").episodes
-    report = train_and_measure(jobs, episodes, work, f"skills {transfer}")
-    models_into(Path("models/skills") / transfer, work / "models")
-    write_metrics("skills", transfer, report)
+    jobs = model_jobs(robot, needed, params, seed, work / "models", arm=arm)
+    episodes = 0 if arm else read_section(EvaluateParams, "evaluate").episodes
+    report = train_and_measure(jobs, episodes, work, f"skills {robot}")
+    _gather(jobs, work / "models" / robot, skills_root(robot, [robot] if arm else []) / robot)
+    write_metrics("skills", robot, {"robot": robot, "models": report})
+
+
+def _gather(jobs: ModelJobs, models: Path, out: Path) -> None:
+    """Copy the models of these jobs, and of none that were needed once, out of the work folder."""
+    with write_whole(out) as partial:
+        partial.mkdir()
+        for vae, priors in jobs.items():
+            folder = vae.spec.models
+            for model in (folder.vae, *(folder.prior(prior.spec.task) for prior in priors)):
+                shutil.copytree(model, partial / model.relative_to(models))
 
 
 if __name__ == "__main__":

@@ -10,11 +10,13 @@ from lfr.artifacts import write_whole
 from lfr.jobs import Job, run_jobs
 from lfr.params import read_section
 from lfr.program import run_stage
+from lfr.scenarios import scenario as scenario_named
 from lfr.scenarios import transfer as transfer_named
 from lfr.skills.artifacts import load_seen
 from lfr.transfer.methods import method as method_named
 from lfr.transfer.params import TransferParams
 from pipeline._runs import RunJob, learn
+from pipeline._skills import skills_of
 from pipeline._stage import SeedParams, unfinished_work, write_metrics
 
 
@@ -28,12 +30,14 @@ def main(transfer: str, method: str) -> None:
     params = read_section(TransferParams, "transfer")
     seeds = read_section(SeedParams, "seeds").transfer
     name = f"{transfer}-{method}"
-    skills, mapping = Path("models/skills") / transfer, Path("models/mapping") / transfer
-    work = unfinished_work("transfer", name, chosen, params, skills, mapping)
+    skills = skills_of(scenario_named(chosen.scenario), chosen)
+    source, target, mapping = skills["source"], skills["target"], Path("models/mapping") / transfer
+    models = source.vae(), source.prior(chosen.task), target.vae(), mapping
+    work = unfinished_work("transfer", name, chosen, params, *models)
 
     folders = {seed: work / f"seed-{seed}" for seed in seeds}
     jobs = [
-        Job(learn, RunJob(chosen, method, seed, params, str(folder), str(skills), str(mapping)))
+        Job(learn, RunJob(chosen, method, seed, params, str(folder), skills, str(mapping)))
         for seed, folder in folders.items()
     ]
     done = run_jobs(jobs, work=work, description=f"transfer {name}", unit="run")
@@ -47,7 +51,7 @@ def main(transfer: str, method: str) -> None:
         for seed, folder in folders.items():
             shutil.copytree(folder / "learning", partial / f"seed-{seed}")
     _write_curves(Path("results/transfer") / f"{name}.csv", runs)
-    seen = [load_seen(skills / role / "vae") for role in ("source", "target")]
+    seen = load_seen(source.vae()), load_seen(target.vae())
     about = {
         "transfer": transfer,
         "method": method,

@@ -10,6 +10,7 @@ from typing import Any
 
 from lfr.evaluation.trials import Trial, run_trial, shards_of, success_rate
 from lfr.jobs import Job, run_jobs
+from lfr.skills.artifacts import check_actions
 from studies.imitation.cloning import ImitationJob, fit_imitation
 from studies.imitation.recurrent_policy import RecurrentPolicy
 from studies.imitation.saved_policies import load_policy
@@ -21,8 +22,9 @@ class RecurrentPolicyFiles:
 
     policy: str
 
-    def load(self) -> RecurrentPolicy:
-        """Raises DataError where the folder holds no recurrent policy, or a damaged one."""
+    def load(self, robot: str) -> RecurrentPolicy:
+        """Raises DataError where the folder holds no such policy, a damaged or another robot's."""
+        check_actions(Path(self.policy), robot)
         return RecurrentPolicy(load_policy(Path(self.policy)))
 
 

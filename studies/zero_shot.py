@@ -13,6 +13,7 @@ Besides the policies of the chain (`lfr.evaluation.chain`):
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -21,8 +22,9 @@ from lfr.evaluation.trials import Trial
 from lfr.mapping.artifacts import load_generator
 from lfr.mapping.policy import MappedFiles
 from lfr.policies import Pinned
-from lfr.scenarios import Transfer
-from lfr.skills.artifacts import load_vae
+from lfr.scenarios import Role, Transfer
+from lfr.skills.artifacts import check_actions, load_vae
+from lfr.skills.library import RoleModels, same_actions
 from lfr.skills.policy import SkillFiles, SkillPolicy
 from studies.ablations.other_task import load_other_task
 
@@ -37,8 +39,9 @@ class WrongTaskFiles:
     generator: str
     decoder: str
 
-    def load(self) -> SkillPolicy:
-        """Raises DataError where a folder holds no such model, or a damaged one."""
+    def load(self, robot: str) -> SkillPolicy:
+        """Raises DataError where a folder holds no such model, a damaged one or other actions."""
+        check_actions(Path(self.decoder), robot)
         prior = load_other_task(Path(self.other_task_prior))
         translate = load_generator(Path(self.generator))
         return SkillPolicy(prior, translate, load_vae(Path(self.decoder)))
@@ -47,17 +50,20 @@ class WrongTaskFiles:
 Files = SkillFiles | MappedFiles | WrongTaskFiles
 
 
-def model_trials(transfer: Transfer, models: Path, episodes: int) -> dict[str, Trial]:
-    """The policies that need a repetition's ``skills`` and ``mapping`` alone, in ``models``."""
-    skills, task = models / "skills", transfer.task
-    prior, vae = str(skills / "source" / f"prior-{task}"), str(skills / "source" / "vae")
-    policies: dict[str, Files] = {"no_generator": SkillFiles(prior, str(skills / "target" / "vae"))}
+def model_trials(
+    transfer: Transfer, skills: Mapping[Role, RoleModels], mapping: Path, episodes: int
+) -> dict[str, Trial]:
+    """The policies that need nothing but a repetition's skill models and mapping."""
+    task = transfer.task
+    prior, vae = str(skills["source"].prior(task)), str(skills["source"].vae())
+    policies: dict[str, Files] = {"no_generator": SkillFiles(prior, str(skills["target"].vae()))}
     if transfer.oracle:
-        oracle = str(skills / "oracle" / "vae")
-        policies["oracle"] = SkillFiles(str(skills / "oracle" / f"prior-{task}"), oracle)
-        policies["oracle_decoder"] = SkillFiles(prior, oracle, encoder=vae)
+        oracle = str(skills["oracle"].vae())
+        policies["oracle"] = SkillFiles(str(skills["oracle"].prior(task)), oracle)
+        if same_actions(skills):
+            policies["oracle_decoder"] = SkillFiles(prior, oracle, encoder=vae)
     own = Trial(Pinned.of(SkillFiles(prior, vae)), transfer.source, task, episodes)
-    chain = chain_trials(transfer, skills, models / "mapping", episodes)
+    chain = chain_trials(transfer, skills, mapping, episodes)
     return {
         "own_arm": own,
         **{name: _known(trial) for name, trial in chain.items()},
@@ -66,27 +72,31 @@ def model_trials(transfer: Transfer, models: Path, episodes: int) -> dict[str, T
 
 
 def variant_trials(
-    transfer: Transfer, models: Path, other: Path, variants: Path, episodes: int
+    transfer: Transfer,
+    skills: Mapping[Role, RoleModels],
+    mapping: Path,
+    other: RoleModels,
+    variants: Path,
+    episodes: int,
 ) -> dict[str, Trial]:
     """The policies that need a repetition's variants.
 
     Args:
-        models: the repetition's ``skills`` and ``mapping``.
-        other: those of the repetition that `studies.ablations.between_seeds` maps onto.
+        skills, mapping: the repetition's.
+        other: the source's skill models of the repetition that `studies.ablations.between_seeds`
+            maps onto.
         variants: folder of the repetition's variants, by name.
     """
-    skills, task = models / "skills", transfer.task
-    prior, target = str(skills / "source" / f"prior-{task}"), str(skills / "target" / "vae")
+    task = transfer.task
+    prior, target = str(skills["source"].prior(task)), str(skills["target"].vae())
     phi = [*PHI, *(f"only_{common}" for common in transfer.common)]
     shared, wrong = variants / "shared_vae", str(variants / "wrong_task" / "prior")
     policies: dict[str, Files] = {
         "shared_vae": SkillFiles(str(shared / "prior"), str(shared / "vae")),
         **{name: MappedFiles(prior, str(variants / name / "g"), target) for name in phi},
-        "wrong_task": WrongTaskFiles(wrong, str(models / "mapping" / "g"), target),
+        "wrong_task": WrongTaskFiles(wrong, str(mapping / "g"), target),
     }
-    between = MappedFiles(
-        prior, str(variants / "between_seeds" / "g"), str(other / "skills" / "source" / "vae")
-    )
+    between = MappedFiles(prior, str(variants / "between_seeds" / "g"), str(other.vae()))
     return {
         **_on_target(transfer, policies, episodes),
         "between_seeds": Trial(Pinned.of(between), transfer.source, task, episodes),

@@ -40,7 +40,7 @@ class Steady:
 
     speed: float
 
-    def load(self) -> Steady:
+    def load(self, robot: str) -> Steady:
         return self
 
     def reset(self, seed: int) -> None: ...

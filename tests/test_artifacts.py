@@ -17,11 +17,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lfr.artifacts import (
+    as_json,
     code_fingerprint,
     file_hash,
     fingerprint,
     load_model,
-    plain,
     provenance,
     read_json,
     save_model,
@@ -151,9 +151,9 @@ def test_hash_of_a_folder(tmp_path: Path) -> None:
         file_hash(tmp_path / "a")
 
 
-def test_plain_refuses_what_json_cannot_hold() -> None:
+def test_as_json_refuses_what_json_cannot_hold() -> None:
     with pytest.raises(TypeError, match="object is not a value that JSON can hold"):
-        plain({"a": object()})
+        as_json({"a": object()})
 
 
 def test_code_fingerprint_sees_code_and_not_comments(

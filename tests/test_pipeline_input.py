@@ -35,7 +35,7 @@ TRANSFER, METHOD = ["--transfer", "s1-panda-lift"], ["--method", "lfr"]
 KEYS = {
     "record": [*ROBOT, *TASK],
     "pack": [*ROBOT, *TASK],
-    "skills": TRANSFER,
+    "skills": ROBOT,
     "mapping": TRANSFER,
     "transfer": [*TRANSFER, *METHOD],
     "recordings": [*TRANSFER, *METHOD],
@@ -82,7 +82,7 @@ def test_unknown_robot_or_task(
     assert message in refused(stage, arguments, folder, capsys)
 
 
-@pytest.mark.parametrize("stage", ["skills", "mapping", "transfer", "recordings", "evaluate"])
+@pytest.mark.parametrize("stage", ["mapping", "transfer", "recordings", "evaluate"])
 def test_unknown_transfer(stage: str, folder: Path, capsys: Any) -> None:
     arguments = ["--transfer", "s1-panda-fly", *KEYS[stage][2:]]
     expected = "unknown transfer 's1-panda-fly'; valid: s1-panda-lift, s1-sawyer-stack"
@@ -114,8 +114,8 @@ def test_unknown_parameter(stage: str, folder: Path, capsys: Any) -> None:
     [
         ("pack", "no logs; record episodes first: data/logs/panda-lift"),
         ("skills", "missing: data/lerobot/panda-"),
-        ("mapping", "missing: models/skills/s1-panda-lift"),
-        ("transfer", "missing: models/skills/s1-panda-lift"),
+        ("mapping", "missing: models/skills/sawyer/lift+nut_assembly+pick_place/vae"),
+        ("transfer", "missing: models/skills/sawyer/lift+nut_assembly+pick_place/vae"),
         ("recordings", "missing: models/learning/s1-panda-lift-lfr/seed-0/curve.csv"),
         ("evaluate", "missing: models/transfer/s1-panda-lift-lfr/seed-0"),
         ("report", "missing: results/transfer/s1-panda-lift-lfr.json"),
@@ -130,7 +130,15 @@ def test_what_an_earlier_stage_should_have_left_is_named(
 def test_a_scenario_that_does_not_fit_is_named(folder: Path, capsys: Any) -> None:
     text = TINY.replace("new: {panda: lift, sawyer: stack}", "new: {panda: lift, sawyer: lft}")
     (folder / "params.yaml").write_text(text)
-    assert "unknown task 'lft'" in refused("skills", TRANSFER, folder, capsys)
+    assert "unknown task 'lft'" in refused("skills", ROBOT, folder, capsys)
+
+
+def test_unknown_robot_or_transfer_of_the_skills(folder: Path, capsys: Any) -> None:
+    expected = "unknown robot 'pando'; valid: panda, sawyer"
+    assert expected in refused("skills", ["--robot", "pando"], folder, capsys)
+    text = TINY.replace("transfers: [s1-panda-lift]", "transfers: [s1-panda-fly]")
+    (folder / "params.yaml").write_text(text)
+    assert "unknown transfer 's1-panda-fly'; valid: " in refused("skills", ROBOT, folder, capsys)
 
 
 @pytest.mark.parametrize("path", [ROOT / "params.yaml", ROOT / "tests" / "tiny_params.yaml"])

@@ -60,30 +60,34 @@ def test_the_record_of_the_run(project: Path) -> None:
 
 def test_no_model_but_the_oracle_has_seen_the_targets_new_task(project: Path) -> None:
     hidden = "panda-lift"
-    folders = [path.parent for path in (project / "models").rglob("config.json")]
-    skills = [folder for folder in folders if folder.parts[-4:-2] == ("skills", TRANSFER)]
-    seen = {f"{folder.parts[-2]}/{folder.name}": load_seen(folder) for folder in skills}
+    skills = project / "models/skills"
+    folders = [path.parent for path in skills.rglob("config.json")]
+    seen = {folder.relative_to(skills).as_posix(): load_seen(folder) for folder in folders}
     common = ("pick_place", "nut_assembly")
+    source, target = "sawyer/lift+nut_assembly+pick_place", "panda/nut_assembly+pick_place"
+    oracle = "panda/lift+nut_assembly+pick_place"
     assert set(seen) == {
-        "source/vae", "source/prior-pick_place", "source/prior-nut_assembly", "source/prior-lift",
-        "target/vae", "target/prior-pick_place", "target/prior-nut_assembly",
-        "oracle/vae", "oracle/prior-lift",
+        f"{source}/vae", f"{source}/prior-pick_place", f"{source}/prior-nut_assembly",
+        f"{source}/prior-lift",
+        f"{target}/vae", f"{target}/prior-pick_place", f"{target}/prior-nut_assembly",
+        f"{oracle}/vae", f"{oracle}/prior-lift",
     }  # fmt: skip
-    assert seen["target/vae"].tasks == common
-    assert set(seen["source/vae"].tasks) == {*common, "lift"}
+    assert set(seen[f"{target}/vae"].tasks) == set(common)
+    assert set(seen[f"{source}/vae"].tasks) == {*common, "lift"}
     for name, one in seen.items():
-        assert (hidden in one.datasets) == name.startswith("oracle/")
+        assert (hidden in one.datasets) == name.startswith(oracle)
         assert set(one.datasets) == {f"{one.robot}-{task}" for task in one.tasks}
     for name in ("g", "f"):
         mapping = load_mapping_seen(project / "models/mapping" / TRANSFER / name)
         assert mapping.tasks == common
+        assert mapping.skills == (source, target)
         assert hidden not in mapping.datasets
     (record,) = read_json(project / "results/transfers.json")
     assert hidden not in record["revisions"]["datasets"]
 
 
 def test_what_a_model_says_it_has_seen_is_what_is_there(project: Path) -> None:
-    seen = load_seen(project / "models/skills" / TRANSFER / "source/vae")
+    seen = load_seen(project / "models/skills/sawyer/lift+nut_assembly+pick_place/vae")
     for task in seen.tasks:
         path = project / "data/lerobot" / f"{seen.robot}-{task}"
         found = read_demonstrations(
@@ -151,7 +155,7 @@ def test_killed_at_several_moments_and_resumed(project: Path, tmp_path: Path) ->
     moments = [
         "work/record/panda-lift/*/*.json",
         "data/lerobot/.partial-sawyer-lift",
-        f"work/skills/{TRANSFER}/*/models/source/vae/config.json",
+        "work/skills/panda/*/models/panda/nut_assembly+pick_place/vae/config.json",
         f"work/mapping/{TRANSFER}/*/*.json",
         f"work/transfer/{RUN}/*/seed-0/checkpoints/*/config.json",
         f"work/evaluate/{RUN}/*/*.json",

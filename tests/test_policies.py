@@ -69,7 +69,7 @@ class Stored:
     folder: str
     other: str | None = None
 
-    def load(self) -> Steady:
+    def load(self, robot: str) -> Steady:
         return Steady(float((Path(self.folder) / "speed").read_text()))
 
 
@@ -80,6 +80,6 @@ def test_another_policy_in_the_folder_has_another_name(tmp_path: Path) -> None:
     assert before == Pinned.of(source)
     (tmp_path / "speed").write_text("2")
     assert Pinned.of(source) != before
-    assert before.load() == Steady(2.0)
+    assert before.load("panda") == Steady(2.0)
     with pytest.raises(DataError, match="missing"):
         Pinned.of(Stored(str(tmp_path / "nothing")))

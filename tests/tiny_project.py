@@ -55,8 +55,9 @@ def run_stages(folder: Path) -> Path:
     """All stages in ``folder`` without DVC, in this process: each is started but once."""
     with _within(folder) as params:
         _demonstrate(params)
+        for robot in params["robots"]:
+            _stage("skills", "--robot", robot)
         for transfer in params["transfers"]:
-            _stage("skills", "--transfer", transfer)
             _stage("mapping", "--transfer", transfer)
             for method in params["methods"]:
                 _stage("transfer", "--transfer", transfer, "--method", method)

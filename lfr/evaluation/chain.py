@@ -8,8 +8,10 @@ Every link is zero-shot success on the transfer's new task, over the same held-o
     mapped    source prior, G, target decoder: what transfer learning starts from
     oracle    the target's own prior of the new task, with the decoder of all its tasks
 
-The first and the last are what a prior does on its own arm (`lfr.evaluation.own_arm`), which the
-skills stage measures; `lfr.evaluation.records.chain_records` puts the chain together.
+Where the two arms' actions are different things, such as motions of their joints, there is neither
+identity nor recoded. The first and the last are what a prior does on its own arm
+(`lfr.evaluation.own_arm`), which the skills stage measures; `lfr.evaluation.records.chain_records`
+puts the chain together.
 """
 
 from __future__ import annotations
@@ -23,27 +25,32 @@ from lfr.evaluation.trials import Trial, success_rate, trial_jobs
 from lfr.jobs import Job, run_jobs
 from lfr.mapping.models import MappingJob, fit_mapping
 from lfr.mapping.policy import MappedFiles
-from lfr.scenarios import Transfer
+from lfr.policies import PolicySource
+from lfr.scenarios import Role, Transfer
+from lfr.skills.library import RoleModels, same_actions
 from lfr.skills.policy import SkillFiles
 
 
 def chain_trials(
-    transfer: Transfer, skills: Path, mapping: Path, episodes: int
+    transfer: Transfer, skills: Mapping[Role, RoleModels], mapping: Path, episodes: int
 ) -> dict[str, Trial]:
     """The links of a transfer's chain that lead from one arm to the other.
 
     Args:
-        skills: folder of the transfer's skill models, by role.
+        skills: the transfer's skill models.
         mapping: folder of its G and F.
+
+    Raises:
+        DataError: a skill model is missing or damaged.
+        LfrError: one has seen a task that is hidden from its role.
     """
-    task = transfer.task
-    prior, vae = str(skills / "source" / f"prior-{task}"), str(skills / "source" / "vae")
-    target_vae = str(skills / "target" / "vae")
-    policies = {
-        "identity": SkillFiles(prior, vae),
-        "recoded": SkillFiles(prior, target_vae, encoder=vae),
-        "mapped": MappedFiles(prior, str(mapping / "g"), target_vae),
-    }
+    task, source = transfer.task, skills["source"]
+    prior, vae, target_vae = map(str, (source.prior(task), source.vae(), skills["target"].vae()))
+    policies: dict[str, PolicySource] = {}
+    if same_actions(skills):
+        policies["identity"] = SkillFiles(prior, vae)
+        policies["recoded"] = SkillFiles(prior, target_vae, encoder=vae)
+    policies["mapped"] = MappedFiles(prior, str(mapping / "g"), target_vae)
     return {name: Trial(files, transfer.target, task, episodes) for name, files in policies.items()}
 
 

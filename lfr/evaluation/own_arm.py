@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from lfr.evaluation.trials import Trial, success_rate, trial_jobs
-from lfr.jobs import Job, run_jobs
-from lfr.skills.models import ModelJob, model_report
+from lfr.jobs import run_jobs
+from lfr.skills.models import ModelJobs, PriorTraining, model_report
 from lfr.skills.policy import SkillFiles
 
 
 def train_and_measure(
-    models: Sequence[Job], episodes: int, work: Path, description: str
+    models: ModelJobs, episodes: int, work: Path, description: str
 ) -> dict[str, dict[str, Any]]:
-    """Train the models of a transfer, and run every prior on its own arm and task once it is there.
+    """Train the models of a robot, and run every prior on its own arm and task once it is there.
 
     Args:
         models: as `lfr.skills.models.model_jobs` gives them.
@@ -25,17 +24,19 @@ def train_and_measure(
     Returns:
         `lfr.skills.models.model_report`, with the success of each prior as ``own_arm``.
     """
-    priors = [job for job in models if job.spec.task is not None] if episodes else []
-    shards = {prior: trial_jobs(own_arm(prior.spec, episodes), (prior,)) for prior in priors}
-    jobs = [*models, *itertools.chain(*shards.values())]
+    priors = list(itertools.chain(*models.values()))
+    shards = {
+        prior: trial_jobs(own_arm(prior.spec, episodes), (prior,)) for prior in priors if episodes
+    }
+    jobs = [*models, *priors, *itertools.chain(*shards.values())]
     done = run_jobs(jobs, work=work, description=description, unit="part")
     for prior, trial in shards.items():
         done[prior]["own_arm"] = success_rate(trial, done)
-    return model_report({job: done[job] for job in models})
+    return model_report(models, done)
 
 
-def own_arm(model: ModelJob, episodes: int) -> Trial:
-    """A prior on its own arm and task, with the decoder of its role."""
-    assert model.task is not None
-    files = SkillFiles(str(model.prior), str(model.vae))
-    return Trial(files, model.robot, model.task, episodes)
+def own_arm(prior: PriorTraining, episodes: int) -> Trial:
+    """A prior on its own arm and task, with the decoder of the VAE that it was trained for."""
+    models = prior.vae.models
+    files = SkillFiles(str(models.prior(prior.task)), str(models.vae))
+    return Trial(files, prior.vae.robot, prior.task, episodes)

@@ -110,17 +110,20 @@ def transfer_records(runs: Iterable[Run]) -> list[Record]:
 def chain_records(transfers: Sequence[str], results: Path = RESULTS) -> dict[str, Record]:
     """Each transfer's chain: its arms and task, and zero-shot success link by link.
 
-    The first and the last link are priors on their own arm, which the skills stage has measured.
+    The first and the last link are priors on their own arm, which the skills stage has measured for
+    every transfer that shares them. A link that the arms' actions do not allow is left out.
     """
     records = {}
     for transfer in transfers:
         found = read_json(results / "chain" / f"{transfer}.json")
-        skills = read_json(results / "skills" / f"{transfer}.json")
         zero_shot = dict(found["zero_shot"])
         for link, role in (("own_arm", "source"), ("oracle", "oracle")):
-            zero_shot[link] = skills[role]["prior"][found["task"]]["own_arm"]
+            robot, _, tasks = found["skills"][role].partition("/")
+            models = read_json(results / "skills" / f"{robot}.json")["models"]
+            zero_shot[link] = models[tasks]["prior"][found["task"]]["own_arm"]
         about = {key: found[key] for key in ("source", "target", "task")}
-        records[transfer] = {**about, "zero_shot": {link: zero_shot[link] for link in CHAIN}}
+        links = [link for link in CHAIN if link in zero_shot]
+        records[transfer] = {**about, "zero_shot": {link: zero_shot[link] for link in links}}
     return records
 
 

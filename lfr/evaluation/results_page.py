@@ -24,10 +24,11 @@ def report(
         external: transfers between arms without a simulator; they have skills and a mapping alone.
     """
     recorded = _all(results / "record")
-    skills, mappings = (
-        {name: one for name, one in _all(results / stage).items() if name in (*chains, *external)}
-        for stage in ("skills", "mapping")
-    )
+    named = (*chains, *external)
+    mappings = {name: one for name, one in _all(results / "mapping").items() if name in named}
+    arms = {one[side] for one in (*chains.values(), *mappings.values())
+            for side in ("source", "target")}  # fmt: skip
+    skills = {name: one for name, one in _all(results / "skills").items() if name in arms}
     datasets = {name: digest for one in records for name, digest in
                 one["revisions"]["datasets"].items()}  # fmt: skip
     stages = stage_runs(results)

@@ -7,7 +7,6 @@ from statistics import fmean
 from typing import Any
 
 from lfr.evaluation.records import CHAIN, Record, StageRun
-from lfr.scenarios import ROLES
 
 
 def markdown(header: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
@@ -38,7 +37,10 @@ def summary(records: Sequence[Record], chains: Mapping[str, Record]) -> dict[str
         groups.setdefault(f"{record['transfer']}-{record['method']}", []).append(record)
     return {
         name: {
-            **{link: chains[runs[0]["transfer"]]["zero_shot"][link]["rate"] for link in CHAIN},
+            **{
+                link: found["rate"]
+                for link, found in chains[runs[0]["transfer"]]["zero_shot"].items()
+            },
             "zero_shot": fmean(record["zero_shot"] for record in runs),
             "success": fmean(record["success"] for record in runs),
             "env_steps": fmean(record["env_steps"] for record in runs),
@@ -74,8 +76,8 @@ def chain_table(chains: Mapping[str, Record]) -> str:
     header = ["transfer", "from", "to", *(link.replace("_", " ") for link in CHAIN)]
     rows = []
     for name, chain in chains.items():
-        found = [chain["zero_shot"][link] for link in CHAIN]
-        rates = [percent(one["rate"], (one["low"], one["high"])) for one in found]
+        found = [chain["zero_shot"].get(link) for link in CHAIN]
+        rates = [percent(one["rate"], (one["low"], one["high"])) if one else "-" for one in found]
         rows.append([name, chain["source"], chain["target"], *rates])
     return markdown(header, rows)
 
@@ -99,14 +101,14 @@ def demonstration_table(recorded: Mapping[str, Mapping[str, Any]]) -> str:
 
 def skill_table(skills: Mapping[str, Mapping[str, Any]]) -> str:
     """Every prior on its own arm and task, one row per prior."""
-    header = ["transfer", "role", "robot", "task", "own arm %", "KL held out", "position RMSE"]
+    header = ["robot", "tasks seen", "task", "own arm %", "KL held out", "position RMSE"]
     rows = []
-    for transfer, roles in skills.items():
-        for role, model in ((r, roles[r]) for r in ROLES if r in roles):
+    for robot, stage in skills.items():
+        for model in stage["models"].values():
             for task, prior in model["prior"].items():
                 own, kl = prior.get("own_arm"), prior["kl_held_out"]  # no success without simulator
                 rate = percent(own["rate"], (own["low"], own["high"])) if own else "-"
-                rows.append([transfer, role, model["robot"], task, rate,
+                rows.append([robot, ", ".join(model["tasks"]), task, rate,
                              "-" if kl is None else f"{kl:.1f}",
                              _position(model["held_out"][task]["rmse"])])  # fmt: skip
     return markdown(header, rows)

@@ -74,7 +74,8 @@ def run_trial(trial: Trial) -> list[Outcome]:
     """Run a trial's episodes one after the other, in this process."""
     end = trial.first + trial.episodes
     seeds = [episode_seed("held-out", index) for index in range(trial.first, end)]
-    return roll_out(trial.policy.load(), judge_named(trial.judge, trial.robot, trial.task), seeds)
+    policy = trial.policy.load(trial.robot)
+    return roll_out(policy, judge_named(trial.judge, trial.robot, trial.task), seeds)
 
 
 @cache

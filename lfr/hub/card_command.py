@@ -62,7 +62,8 @@ def everything(datasets: Path, models: Path) -> list[Path]:
     """
     from lfr.hub.model_facts import STAGES
 
-    made = {folder for stage in STAGES.values() for folder in models.glob(f"{stage}/[!.]*/")}
+    stages = {*STAGES.values(), "external-skills"}
+    made = {folder for stage in stages for folder in models.glob(f"{stage}/[!.]*/")}
     return [*sorted(datasets.glob("[!.]*/")), *sorted(made)]
 
 

@@ -13,11 +13,10 @@ from lfr.hub.model_facts import ModelFacts, Part
 from lfr.tasks import TASKS
 
 ABOUT = {
-    "skills": "Skill VAEs and skill priors of two arms. A VAE turns a run of actions into a point "
+    "skills": "Skill VAEs and skill priors of one arm. A VAE turns a run of actions into a point "
     "of a latent space of skills and back; a prior says which skill a demonstrator would choose in "
-    "a state. `source` is the arm that knows the new task, `target` the one that is to learn it "
-    "and has seen the common tasks only; `oracle` is the target as if it had been shown the new "
-    "one.",
+    "a state. Each folder is named after the tasks that its VAE has seen, for a transfer gives an "
+    "arm only what its role in it may see; transfers share them.",
     "mapping": "Generators between the skill spaces of two arms, learned on the tasks that both "
     "know: G leads from the source's latent space to the target's, F back.",
     "transfer": "A policy that chooses skills for an arm that has no demonstrations of the task: "
@@ -161,17 +160,15 @@ def _results(facts: ModelFacts) -> str:
 def _skill_results(noted: dict[str, Any]) -> str:
     rows = [
         (
-            role,
-            about["robot"],
+            ", ".join(model["tasks"]),
             task,
             _rate(prior["own_arm"]) if prior.get("own_arm") else "",
             "" if prior["kl_held_out"] is None else f"{prior['kl_held_out']:.1f}",
         )
-        for role, about in noted.items()
-        if isinstance(about, dict) and "prior" in about
-        for task, prior in about["prior"].items()
+        for model in noted["models"].values()
+        for task, prior in model["prior"].items()
     ]
-    heads = ("role", "arm", "task", "success of the prior on its own arm",
+    heads = ("tasks seen", "task", "success of the prior on its own arm",
              "KL of the prior on held-out episodes, nats")  # fmt: skip
     return table(heads, rows)
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from lfr.artifacts import read_json
+from lfr.embodiments import is_known
 from lfr.errors import DataError
 
 CONFIG, TENSORS = "config.json", "model.safetensors"
@@ -41,9 +42,10 @@ class ModelFacts:
     """The models of one folder.
 
     Attributes:
-        name: of the transfer, with the method where one was learned: "s1-panda-lift-lfr".
+        name: of the robot whose skill models they are, or of the transfer, with the method where
+            one was learned: "panda", "s1-panda-lift-lfr".
         stage: the stage that makes such models.
-        folder: where they lie in this project, "models/skills/s1-panda-lift".
+        folder: where they lie in this project, "models/skills/panda".
         parts: the models, in the order of their places.
         results: by stage, what the stages noted of them; empty where they noted nothing.
     """
@@ -107,15 +109,17 @@ def read_models(path: Path, results: Path) -> ModelFacts:
 
 
 def _names(path: Path, stage: str, parts: tuple[Part, ...]) -> tuple[str, str]:
-    """The transfer's name, and where its models lie in this project."""
+    """The robot's or the transfer's name, and where its models lie in this project."""
     place = path.resolve()
     seen = parts[0].seen
     if stage == "transfer" and {"transfer", "method"} <= set(seen):
         name = f"{seen['transfer']}-{seen['method']}"
-        inside = place.name if place.parent.name == name else ""
     else:
-        name, inside = seen.get("transfer", place.name), ""
-    return name, "/".join(filter(None, ("models", stage, name, inside)))
+        name = seen.get("robot" if stage == "skills" else "transfer", place.name)
+    inside = place.name if place.parent.name == name else ""
+    external = stage == "skills" and not is_known(name)
+    made_by = f"external-{stage}" if external else stage
+    return name, "/".join(filter(None, ("models", made_by, name, inside)))
 
 
 def _results(name: str, stage: str, results: Path) -> dict[str, dict[str, Any]]:
@@ -131,16 +135,16 @@ def _compare(parts: tuple[Part, ...], noted: dict[str, dict[str, Any]], file: Pa
     Raises:
         DataError: they are of other datasets.
     """
+    known: dict[str, str] = dict(noted.get("transfer", {}).get("datasets", {}))
+    for model in noted.get("skills", {}).get("models", {}).values():
+        known |= model["datasets"]
     for part in parts:
-        for stage in ("skills", "transfer"):
-            about = noted.get(stage, {})
-            known = about.get(part.seen.get("role", ""), about).get("datasets", {})
-            for dataset, digest in part.seen.get("datasets", {}).items():
-                if known.get(dataset, digest) != digest:
-                    raise DataError(
-                        f"the results are of other models than {part.place}; run `dvc repro`",
-                        file=file,
-                        column=dataset,
-                        found=known[dataset][:12],
-                        expected=digest[:12],
-                    )
+        for dataset, digest in part.seen.get("datasets", {}).items():
+            if known.get(dataset, digest) != digest:
+                raise DataError(
+                    f"the results are of other models than {part.place}; run `dvc repro`",
+                    file=file,
+                    column=dataset,
+                    found=known[dataset][:12],
+                    expected=digest[:12],
+                )

@@ -17,7 +17,10 @@ class MappingSeen:
 
     Attributes:
         transfer: its name.
-        source, target: the two arms; G leads from the source's latent space to the target's.
+        source, target: the two embodiments, or external arms; G leads from the source's latent
+            space to the target's.
+        skills: of either arm's skill models, ``<robot>/<tasks>`` (`lfr.skills.library`): whose
+            latent spaces these are.
         tasks: the common tasks.
         datasets: dataset name -> SHA-256 of its rows, of both arms.
         seed: of the training.
@@ -26,6 +29,7 @@ class MappingSeen:
     transfer: str
     source: str
     target: str
+    skills: tuple[str, str]
     tasks: tuple[str, ...]
     datasets: dict[str, str]
     seed: int

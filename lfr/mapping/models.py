@@ -19,6 +19,7 @@ from lfr.mapping.training import ActionWindows, CommonTask, MappingParams, train
 from lfr.scenarios import Role, Scenario, Transfer
 from lfr.skills.artifacts import load_prior, load_vae
 from lfr.skills.demonstrations import DATASETS, Demonstrations, balanced, read_visible
+from lfr.skills.library import RoleModels
 from lfr.skills.prior import SkillPrior
 from lfr.skills.rows import thinned
 from lfr.skills.symmetry import AS_RECORDED
@@ -30,7 +31,7 @@ class MappingJob:
 
     Attributes:
         held_out: as the skills were trained with, so that what was held out there is here too.
-        skills: folder of the transfer's skill models.
+        skills: the transfer's skill models.
         folder: where ``g`` and ``f`` are saved.
         seed: of the skills' split and, with the transfer's name, of this training.
         datasets: folder of the datasets of arms that this project simulates.
@@ -42,7 +43,7 @@ class MappingJob:
     params: MappingParams
     held_out: float
     seed: int
-    skills: str
+    skills: Mapping[Role, RoleModels]
     folder: str
     datasets: str
     arms: Mapping[str, ExternalArm] = field(default_factory=dict)
@@ -54,14 +55,14 @@ def mapping_job(
     params: MappingParams,
     held_out: float,
     seed: int,
-    skills: Path,
+    skills: Mapping[Role, RoleModels],
     folder: Path,
     datasets: Path = DATASETS,
     arms: Mapping[str, ExternalArm] = MappingProxyType({}),
 ) -> MappingJob:
     """The job that trains ``folder/{g,f}`` on these arms' demonstrations."""
     return MappingJob(
-        scenario, transfer, _suited(params, arms), held_out, seed, str(skills), str(folder),
+        scenario, transfer, _suited(params, arms), held_out, seed, dict(skills), str(folder),
         str(datasets), dict(arms),
     )  # fmt: skip
 
@@ -89,14 +90,15 @@ class Material:
 
 def fit_mapping(job: MappingJob) -> dict[str, Any]:
     """Train and save G and F (Algorithm 1), from states of both arms' common demonstrations."""
-    transfer, skills = job.transfer, Path(job.skills)
-    vaes = load_vae(skills / "source" / "vae"), load_vae(skills / "target" / "vae")
+    transfer, arms = job.transfer, (job.skills["source"], job.skills["target"])
+    vaes = load_vae(arms[0].vae()), load_vae(arms[1].vae())
     seed = int(fingerprint(transfer.name, job.seed), 16) % 2**31
     known = read_material(job, seed)
     g, f = train_mapping(list(known.training.values()), vaes, known.windows, job.params, seed)
     seen = MappingSeen(
-        transfer.name, transfer.source, transfer.target, transfer.common, known.datasets, seed
-    )
+        transfer.name, transfer.source, transfer.target, (arms[0].name, arms[1].name),
+        transfer.common, known.datasets, seed,
+    )  # fmt: skip
     save_generator(Path(job.folder) / "g", g, seen)
     save_generator(Path(job.folder) / "f", f, seen)
 
@@ -147,7 +149,7 @@ def read_material(job: MappingJob, seed: int) -> Material:
         held_out=_common(job, source, target, "held_out_states"),
         windows=windows,
         new=(
-            load_prior(Path(job.skills) / "source" / f"prior-{transfer.task}", new.names),
+            load_prior(job.skills["source"].prior(transfer.task), new.names),
             new.held_out_states,
         ),
         datasets={one.dataset: one.digest for one in learned},
@@ -164,10 +166,10 @@ def _common(
     """Both arms' priors of each common task, with both arms' states of it."""
     tasks = {}
     for task in job.transfer.common:
-        folder, names = Path(job.skills), source[task].names
+        names = source[task].names
         tasks[task] = CommonTask(
-            load_prior(folder / "source" / f"prior-{task}", names),
-            load_prior(folder / "target" / f"prior-{task}", names),
+            load_prior(job.skills["source"].prior(task), names),
+            load_prior(job.skills["target"].prior(task), names),
             torch.cat([getattr(source[task], kind), getattr(target[task], kind)]),
         )
     return tasks
@@ -176,7 +178,7 @@ def _common(
 def _read(
     job: MappingJob, robot: str, role: Role, tasks: tuple[str, ...]
 ) -> dict[str, Demonstrations]:
-    horizon = load_vae(Path(job.skills) / role / "vae").horizon
+    horizon = load_vae(job.skills[role].vae()).horizon
     return read_visible(
         job.scenario, robot, role, tasks,
         horizon=horizon, held_out=job.held_out, seed=job.seed, folder=Path(job.datasets),

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from lfr.mapping.artifacts import load_generator
-from lfr.skills.artifacts import load_prior, load_vae
+from lfr.skills.artifacts import check_actions, load_prior, load_vae
 from lfr.skills.policy import SkillPolicy
 
 
@@ -18,7 +18,8 @@ class MappedFiles:
     generator: str
     decoder: str
 
-    def load(self) -> SkillPolicy:
-        """Raises DataError where a folder holds no such model, or a damaged one."""
+    def load(self, robot: str) -> SkillPolicy:
+        """Raises DataError where a folder holds no such model, a damaged one or other actions."""
+        check_actions(Path(self.decoder), robot)
         translate = load_generator(Path(self.generator))
         return SkillPolicy(load_prior(Path(self.prior)), translate, load_vae(Path(self.decoder)))

@@ -105,7 +105,7 @@ def train_mapping(
     weights = [*g.network.parameters(), *f.network.parameters()]
     optimizer = torch.optim.Adam(weights, params.learning_rate, fused=True)
     schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimizer, max(params.steps, 1))
-    posteriors = round(params.posterior_share * params.batch)
+    posteriors = 0 if windows is None else round(params.posterior_share * params.batch)
     per_task = (params.batch - posteriors) // len(tasks)
     for _ in range(params.steps):
         pairs = [_sample(task, per_task, params.state_noise, generator) for task in tasks]

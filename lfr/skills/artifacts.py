@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
 from pathlib import Path
 
 from lfr.columns import ActionSpace
+from lfr.embodiments import embodiment
 from lfr.errors import DataError
 from lfr.models import ModelKind, load_seen_as
 from lfr.skills.prior import SkillPrior
@@ -21,7 +23,7 @@ class Seen:
     """Which demonstrations a model has learned from: stored with it, and held to the leak rule.
 
     Attributes:
-        scenario, robot, role: who the model is (`lfr.scenarios.visible_tasks`).
+        robot: name of the embodiment whose actions it speaks of, or of the external arm.
         tasks: the tasks whose demonstrations reached it.
         datasets: dataset name -> SHA-256 of its rows.
         seed: of the training.
@@ -29,9 +31,7 @@ class Seen:
             model does not say.
     """
 
-    scenario: str
     robot: str
-    role: str
     tasks: tuple[str, ...]
     datasets: dict[str, str]
     seed: int
@@ -81,14 +81,36 @@ def check_layout(folder: Path, found: Sequence[str], expected: Sequence[str]) ->
     Raises:
         DataError: the model was trained on another state layout; names the first difference.
     """
-    if list(found) == list(expected):
-        return
-    pairs = zip([*found, None], [*expected, None], strict=False)
-    place, (was, wanted) = next((i, pair) for i, pair in enumerate(pairs) if pair[0] != pair[1])
-    raise DataError(
+    _compare(
         "the model was trained on another state layout; train it on this task's dataset",
-        file=folder / "config.json",
-        column=f"dimension {place}",
-        found=was,
-        expected=wanted,
-    )
+        folder, found, expected,
+    )  # fmt: skip
+
+
+def check_actions(folder: Path, robot: str) -> None:
+    """Hold a model to the embodiment that is to carry out its actions.
+
+    It may be another than the model's own where their actions are called alike: so the chain's
+    link `identity` and AP ask for it.
+
+    Raises:
+        DataError: the model's actions are another controller's, or move other joints; names the
+            first difference.
+        UnknownNameError: no such embodiment.
+    """
+    seen = load_seen(folder)
+    found = seen.actions.names if seen.actions else embodiment(seen.robot).action.names
+    expected = embodiment(robot).action.names
+    _compare(f"{robot} cannot carry out the actions of {seen.robot}", folder, found, expected)
+
+
+def _compare(message: str, folder: Path, found: Sequence[str], expected: Sequence[str]) -> None:
+    for place, (was, wanted) in enumerate(zip_longest(found, expected)):
+        if was != wanted:
+            raise DataError(
+                message,
+                file=folder / "config.json",
+                column=f"dimension {place}",
+                found=was,
+                expected=wanted,
+            )

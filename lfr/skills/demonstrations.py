@@ -76,13 +76,36 @@ def read_visible(
         DataError: a dataset is missing or not what training needs.
     """
     check_visible(scenario, robot, role, tasks)
+    return read_tasks(
+        robot, tasks, horizon=horizon, held_out=held_out, seed=seed, folder=folder, arm=arm
+    )
+
+
+def read_tasks(
+    robot: str,
+    tasks: Sequence[str],
+    *,
+    horizon: int,
+    held_out: float,
+    seed: int,
+    folder: Path = DATASETS,
+    arm: ExternalArm | None = None,
+) -> dict[str, Demonstrations]:
+    """The robot's demonstrations of ``tasks``, whoever asks; `read_visible` holds the leak rule."""
     return {
         task: read_demonstrations(
-            arm.dataset(task) if arm else folder / f"{robot}-{task}", robot, task,
+            dataset_of(robot, task, folder, arm), robot, task,
             horizon=horizon, held_out=held_out, seed=seed, arm=arm,
         )
         for task in tasks
     }  # fmt: skip
+
+
+def dataset_of(
+    robot: str, task: str, folder: Path = DATASETS, arm: ExternalArm | None = None
+) -> Path:
+    """The dataset of a robot's demonstrations of a task; arguments as of `read_visible`."""
+    return arm.dataset(task) if arm else folder / f"{robot}-{task}"
 
 
 def read_demonstrations(
@@ -95,7 +118,7 @@ def read_demonstrations(
     seed: int,
     arm: ExternalArm | None = None,
 ) -> Demonstrations:
-    """One dataset, whoever asks; `read_visible` holds the leak rule."""
+    """One dataset."""
     found = read_external(arm, task) if arm else _read_recorded(path, robot, task)
     training, kept = found.split(held_out, seed)
     windows = [Windows(part, horizon, padded=False).all() for part in (training, kept)]

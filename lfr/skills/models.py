@@ -1,11 +1,10 @@
-"""The skill models that a transfer needs, as jobs: a VAE for each role, then its priors."""
+"""The skill models of a robot, as jobs: a VAE for each set of tasks seen, then its priors."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any
 
 import torch
@@ -15,141 +14,118 @@ from lfr.artifacts import fingerprint
 from lfr.data.windows import WindowBatch
 from lfr.external import ExternalArm
 from lfr.jobs import Job
-from lfr.scenarios import Role, Scenario, Transfer, visible_tasks
 from lfr.skills.artifacts import Seen, load_vae, save_prior, save_vae
-from lfr.skills.demonstrations import DATASETS, Demonstrations, balanced, read_visible
+from lfr.skills.demonstrations import DATASETS, Demonstrations, balanced, read_tasks
 from lfr.skills.gaussian import kl_divergence, kl_to_standard_normal
+from lfr.skills.library import SkillFolder, skill_folder, tasks_name
 from lfr.skills.params import SkillsParams
 from lfr.skills.prior import SkillPrior
 from lfr.skills.symmetry import AS_RECORDED
 from lfr.skills.training import train_prior, train_vae
 from lfr.skills.vae import CHUNK, SkillVAE, reconstruction_rmse
 
+ModelJobs = Mapping[Job, Sequence[Job]]
+"""Jobs of skill VAEs, each with those of its priors, which need it."""
+
 
 @dataclass(frozen=True)
-class ModelJob:
-    """A skill VAE to train, or the prior of ``task`` for the VAE that lies in the same folder.
+class VAETraining:
+    """A skill VAE to train on all that a robot was shown of some tasks.
 
     Attributes:
-        folder: of this transfer's models.
-        task: None for the VAE.
+        tasks: in order.
+        folder: of all skill models.
         datasets: folder of the datasets of arms that this project simulates.
         arm: the robot, where it is external.
     """
 
-    scenario: Scenario
     robot: str
-    role: Role
-    task: str | None
+    tasks: tuple[str, ...]
     params: SkillsParams
     seed: int
     folder: str
-    datasets: str
+    datasets: str = str(DATASETS)
     arm: ExternalArm | None = None
 
     @property
-    def vae(self) -> Path:
-        return Path(self.folder) / self.role / "vae"
-
-    @property
-    def prior(self) -> Path:
-        return Path(self.folder) / self.role / f"prior-{self.task}"
+    def models(self) -> SkillFolder:
+        return skill_folder(Path(self.folder), self.robot, self.tasks)
 
 
-def roles_of(transfer: Transfer) -> dict[Role, str]:
-    """The arm in each role of a transfer; no oracle where nobody has shown it the new task."""
-    roles: dict[Role, str] = {"source": transfer.source, "target": transfer.target}
-    return {**roles, "oracle": transfer.target} if transfer.oracle else roles
+@dataclass(frozen=True)
+class PriorTraining:
+    """A skill prior of one task to train for the latent space of a VAE that has been."""
 
-
-def prior_tasks(scenario: Scenario, robot: str, role: Role) -> tuple[str, ...]:
-    """The tasks that get a prior: all visible ones, but for the oracle only its new task.
-
-    Its priors of the common tasks would not be used: the mapping is learned without the oracle.
-    """
-    visible = visible_tasks(scenario, robot, role)
-    return visible[-1:] if role == "oracle" else visible
+    vae: VAETraining
+    task: str
 
 
 def model_jobs(
-    scenario: Scenario,
-    transfer: Transfer,
+    robot: str,
+    needed: Mapping[tuple[str, ...], tuple[str, ...]],
     params: SkillsParams,
     seed: int,
     folder: Path,
     datasets: Path = DATASETS,
-    arms: Mapping[str, ExternalArm] = MappingProxyType({}),
-) -> list[Job]:
-    """Jobs that train source, target and oracle into ``folder/<role>/{vae,prior-<task>}``.
+    arm: ExternalArm | None = None,
+) -> ModelJobs:
+    """Jobs that train a robot's models into ``folder``.
 
     Args:
+        needed: as `lfr.skills.library.needed_models` gives it.
         datasets: folder of the datasets of arms that this project simulates.
-        arms: those that are external, by name.
-
-    Returns:
-        Jobs of `ModelJob`, VAEs first; each prior's needs that of its VAE.
+        arm: the robot, where it is external.
     """
-
-    def spec(role: Role, robot: str, task: str | None = None) -> ModelJob:
-        return ModelJob(
-            scenario, robot, role, task, _suited(params, arms.get(robot)), seed, str(folder),
-            str(datasets), arms.get(robot),
-        )  # fmt: skip
-
-    roles = roles_of(transfer)
-    vaes = {role: Job(fit_vae, spec(role, robot)) for role, robot in roles.items()}
-    priors = [
-        Job(fit_prior, spec(role, robot, task), (vaes[role],))
-        for role, robot in roles.items()
-        for task in prior_tasks(scenario, robot, role)
-    ]
-    return [*vaes.values(), *priors]
+    jobs = {}
+    for tasks, priors in needed.items():
+        spec = VAETraining(
+            robot, tasks, _suited(params, arm), seed, str(folder), str(datasets), arm
+        )
+        vae = Job(fit_vae, spec)
+        jobs[vae] = [Job(fit_prior, PriorTraining(spec, task), (vae,)) for task in priors]
+    return jobs
 
 
-def model_report(found: Mapping[Job, Any]) -> dict[str, dict[str, Any]]:
-    """What each of `model_jobs` gave, by role.
+def model_report(jobs: ModelJobs, done: Mapping[Job, Any]) -> dict[str, dict[str, Any]]:
+    """What `model_jobs` gave, by the names of the tasks seen (`lfr.skills.library.tasks_name`).
 
-    Robot, tasks seen, and on held-out episodes the VAE's reconstruction error per action dimension,
-    the divergence of its posterior to N(0, I), and of the posterior to each prior.
+    The tasks, and on held-out episodes the VAE's reconstruction error per action dimension, the
+    divergence of its posterior to N(0, I), and of the posterior to each prior.
     """
-    report: dict[str, dict[str, Any]] = {}
-    for job, metrics in found.items():
-        one: ModelJob = job.spec
-        if one.task is None:
-            report[one.role] = {"robot": one.robot, **metrics, "prior": {}}
-        else:
-            report[one.role]["prior"][one.task] = metrics
-    return report
+    return {
+        tasks_name(vae.spec.tasks): {
+            **done[vae], "prior": {prior.spec.task: done[prior] for prior in priors},
+        }
+        for vae, priors in jobs.items()
+    }  # fmt: skip
 
 
-def fit_vae(job: ModelJob) -> dict[str, Any]:
-    """Train and save a role's skill VAE on everything that it may see; its held-out report."""
-    tasks = visible_tasks(job.scenario, job.robot, job.role)
-    demonstrations = _read(job, tasks)
-    seed = model_seed(job)
+def fit_vae(spec: VAETraining) -> dict[str, Any]:
+    """Train and save a skill VAE; its held-out report."""
+    demonstrations = _read(spec, spec.tasks)
+    seed = model_seed(spec)
     windows = {task: known.training.actions for task, known in demonstrations.items()}
     names = next(iter(demonstrations.values())).actions.names
-    vae = train_vae(balanced(windows, seed), names, job.params.vae, seed)
-    save_vae(job.vae, vae, _seen(job, demonstrations))
+    vae = train_vae(balanced(windows, seed), names, spec.params.vae, seed)
+    save_vae(spec.models.vae, vae, _seen(spec.robot, demonstrations, seed))
     return {
-        "tasks": tasks,
+        "tasks": spec.tasks,
         "datasets": {known.dataset: known.digest for known in demonstrations.values()},
         "held_out": {task: vae_report(vae, known) for task, known in demonstrations.items()},
     }
 
 
-def fit_prior(job: ModelJob) -> dict[str, Any]:
-    """Train and save a role's skill prior of one task; its held-out report."""
-    assert job.task is not None
-    demonstrations = _read(job, (job.task,))
-    known = demonstrations[job.task]
-    vae = load_vae(job.vae)
-    seed = model_seed(job)
+def fit_prior(spec: PriorTraining) -> dict[str, Any]:
+    """Train and save a skill prior; its held-out report."""
+    demonstrations = _read(spec.vae, (spec.task,))
+    known = demonstrations[spec.task]
+    vae, params = load_vae(spec.vae.models.vae), spec.vae.params.prior
+    seed = model_seed(spec.vae, spec.task)
     start, actions = known.training.observations, known.training.actions
-    prior = train_prior(
-        vae, start, actions, known.names, known.actions.names, job.params.prior, seed
-    )
-    save_prior(job.prior, prior, _seen(job, demonstrations))
+    names = known.actions.names
+    prior = train_prior(vae, start, actions, known.names, names, params, seed)
+    seen = _seen(spec.vae.robot, demonstrations, seed)
+    save_prior(spec.vae.models.prior(spec.task), prior, seen)
     return {
         "kl_training": _mean(divergence(vae, prior, known.training)),
         "kl_held_out": _mean(divergence(vae, prior, known.held_out)),
@@ -171,29 +147,27 @@ def vae_report(vae: SkillVAE, known: Demonstrations) -> dict[str, Any]:
     return {"rmse": dict(zip(known.actions.names, rmse, strict=True)), "kl": _mean(kl)}
 
 
-def model_seed(job: ModelJob) -> int:
-    """A seed of its own for each model.
+def model_seed(spec: VAETraining, prior: str | None = None) -> int:
+    """A seed of its own for each model: a VAE, or its prior of a task.
 
     Equal seeds would start two arms' VAEs from the same weights and hand the mapping an alignment
     that nobody has earned.
     """
-    name = (job.scenario.name, job.robot, job.role, job.task, job.seed)
-    return int(fingerprint(*name), 16) % 2**31
+    return int(fingerprint(spec.robot, spec.tasks, prior, spec.seed), 16) % 2**31
 
 
-def _read(job: ModelJob, tasks: tuple[str, ...]) -> Mapping[str, Demonstrations]:
-    return read_visible(
-        job.scenario, job.robot, job.role, tasks,
-        horizon=job.params.vae.horizon, held_out=job.params.held_out, seed=job.seed,
-        folder=Path(job.datasets), arm=job.arm,
+def _read(spec: VAETraining, tasks: tuple[str, ...]) -> dict[str, Demonstrations]:
+    return read_tasks(
+        spec.robot, tasks,
+        horizon=spec.params.vae.horizon, held_out=spec.params.held_out, seed=spec.seed,
+        folder=Path(spec.datasets), arm=spec.arm,
     )  # fmt: skip
 
 
-def _seen(job: ModelJob, demonstrations: Mapping[str, Demonstrations]) -> Seen:
+def _seen(robot: str, demonstrations: Mapping[str, Demonstrations], seed: int) -> Seen:
     digests = {known.dataset: known.digest for known in demonstrations.values()}
-    scenario, tasks = job.scenario.name, tuple(demonstrations)
     actions = next(iter(demonstrations.values())).actions
-    return Seen(scenario, job.robot, job.role, tasks, digests, model_seed(job), actions)
+    return Seen(robot, tuple(demonstrations), digests, seed, actions)
 
 
 def _suited(params: SkillsParams, arm: ExternalArm | None) -> SkillsParams:

@@ -10,7 +10,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from lfr.skills.artifacts import load_prior, load_vae
+from lfr.skills.artifacts import check_actions, load_prior, load_vae
 from lfr.skills.vae import SkillVAE
 
 Distribution = tuple[Tensor, Tensor]
@@ -36,7 +36,7 @@ class SkillPolicy:
 
     @torch.inference_mode()
     def act(self, observation: np.ndarray) -> np.ndarray:
-        """The next skill's actions, as many as are carried out, (n, 7), for an observation (D,)."""
+        """The next skill's actions, as many as are carried out, (n, A), for an observation (D,)."""
         seen = torch.as_tensor(observation, dtype=torch.float32)[None]
         mu, _ = self.translate(*self.prior(seen))
         return self.decoder.carry_out(mu)[0].double().numpy()
@@ -74,10 +74,12 @@ class SkillFiles:
     decoder: str
     encoder: str | None = None
 
-    def load(self) -> SkillPolicy:
-        """Raises DataError where a folder holds no such model, or a damaged one."""
+    def load(self, robot: str) -> SkillPolicy:
+        """Raises DataError where a folder holds no such model, a damaged one or other actions."""
+        check_actions(Path(self.decoder), robot)
         decoder = load_vae(Path(self.decoder))
         translate = untranslated
         if self.encoder is not None:
+            check_actions(Path(self.encoder), robot)
             translate = recoded(load_vae(Path(self.encoder)), decoder)
         return SkillPolicy(load_prior(Path(self.prior)), translate, decoder)

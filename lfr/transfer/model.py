@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from lfr.artifacts import as_json, save_model
+from lfr.errors import DataError
 from lfr.models import read_model
 from lfr.transfer.actor import SkillActor
 from lfr.transfer.distribution import GAUSSIAN, distribution
@@ -62,9 +63,14 @@ class LearnedFiles:
 
     policy: str
 
-    def load(self) -> SkillActor:
-        """Raises DataError where the folder holds no transferred policy, or a damaged one."""
-        return load_policy(Path(self.policy))[0]
+    def load(self, robot: str) -> SkillActor:
+        """Raises DataError where the folder holds no policy of this robot, or a damaged one."""
+        folder = Path(self.policy)
+        actor, about = load_policy(folder)
+        if about.get("robot") != robot:
+            raise DataError("the policy is of another robot", file=folder / "config.json",
+                            found=about.get("robot"), expected=robot)  # fmt: skip
+        return actor
 
 
 def actor_of(

@@ -53,12 +53,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "seed), a policy or a recording; N alone is another of this dataset",
     )  # fmt: skip
     shown.add_argument(
-        "--skills", type=Path, metavar="FOLDER",
-        help="of a transfer (models/skills/s1-panda-lift): each window's latent, priors and G",
+        "--mapping", type=Path, metavar="FOLDER",
+        help="of a transfer (models/mapping/s1-panda-lift): each window's latent, priors and G",
     )  # fmt: skip
     shown.add_argument(
-        "--mapping", type=Path, metavar="FOLDER", help="of its G (default: as the skills')"
-    )
+        "--skills", type=Path, metavar="FOLDER",
+        help="of all skill models (default: beside that of all mappings)",
+    )  # fmt: skip
     shown.add_argument("--at", type=float, metavar="SECONDS", help="stand there, do not play")
 
     where = parser.add_argument_group("where")
@@ -180,7 +181,7 @@ def _wanted(arguments: argparse.Namespace) -> Wanted:
         without = argparse.Namespace(**{**vars(arguments), "seed": None})
         selection, seed = _selection(without), _start(arguments.seed)
     at = arguments.at
-    return Wanted(selection, seed, arguments.skills, arguments.mapping, at)
+    return Wanted(selection, seed, arguments.mapping, arguments.skills, at)
 
 
 def _selection(arguments: argparse.Namespace) -> Selection | None:
@@ -206,6 +207,8 @@ def _start(seeds: Ranges | None) -> int | None:
 
 
 def _check_names(arguments: argparse.Namespace) -> None:
+    if arguments.skills is not None and arguments.mapping is None:
+        raise LfrError("--skills says where skill models lie; --mapping says of which transfer")
     if arguments.save is not None and arguments.save.suffix != ".rrd":
         raise LfrError(f"--save writes rerun recordings: found {arguments.save}, "
                        "expected a name in .rrd")  # fmt: skip

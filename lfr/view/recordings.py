@@ -51,15 +51,15 @@ class Wanted:
     Attributes:
         selection: of the episodes; None is the first.
         seed: start of a policy's episode; None is a held-out one.
-        skills: folder of a transfer's skill models, for the skill view.
-        mapping: folder of its G and F; None is that beside the folder of all skills.
+        mapping: folder of a transfer's G and F, for the skill view.
+        skills: folder of all skill models; None is that beside the folder of all mappings.
         at: s; the viewer stands there instead of playing.
     """
 
     selection: Selection | None = None
     seed: int | None = None
-    skills: Path | None = None
     mapping: Path | None = None
+    skills: Path | None = None
     at: float | None = None
 
 
@@ -73,8 +73,8 @@ def recordings(path: Path, folder: Path, wanted: Wanted) -> Shown:
     collection = collection_of(path)
     if collection is not None:
         return _episodes(collection, path, folder, wanted)
-    if wanted.skills is not None:
-        raise LfrError(f"--skills shows demonstrations: found {path}, expected a dataset or logs")
+    if wanted.mapping is not None:
+        raise LfrError(f"--mapping shows demonstrations: found {path}, expected a dataset or logs")
     if wanted.selection is not None:
         raise LfrError(f"{path} has no episodes to choose from; expected a dataset or logs")
     if path.is_file():
@@ -134,18 +134,18 @@ def make_episodes(
     collection: Collection, numbers: list[int], folder: Path, wanted: Wanted
 ) -> list[Path]:
     """The episodes of these numbers, with their skills if these are wanted."""
-    if wanted.skills is None:
+    if wanted.mapping is None:
         return save_episodes(collection, numbers, folder, at=wanted.at)
     episode, _ = collection.read(numbers[0])
-    overlay = _skills(wanted.skills, wanted.mapping, episode.task)
+    overlay = _skills(wanted.mapping, wanted.skills, episode.task)
     return save_episodes(collection, numbers, folder, overlay=overlay, at=wanted.at)
 
 
-def _skills(folder: Path, mapping: Path | None, task: str) -> Overlay:
+def _skills(mapping: Path, skills: Path | None, task: str) -> Overlay:
     from lfr.view.skills import skill_overlay
     from lfr.view.windows import load_skill_models
 
-    return skill_overlay(load_skill_models(folder, task, mapping))
+    return skill_overlay(load_skill_models(mapping, task, skills))
 
 
 def _run(path: Path, folder: Path, seed: int | None) -> Shown:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from torch import Tensor
 
     from lfr.mapping.generator import Generator
-    from lfr.skills.artifacts import Seen
+    from lfr.skills.library import SkillFolder
     from lfr.skills.prior import SkillPrior
     from lfr.skills.vae import SkillVAE
 
@@ -102,42 +102,52 @@ class WindowTrace:
         return self.window.mu.shape[1]
 
 
-def load_skill_models(folder: Path, task: str, mapping: Path | None = None) -> SkillModels:
-    """The models in a transfer's folder of skill models, and its G.
+def load_skill_models(mapping: Path, task: str, skills: Path | None = None) -> SkillModels:
+    """The G of a transfer, and the skill models that it leads from and to.
 
     Args:
-        folder: `models/skills/<transfer>`.
+        mapping: `models/mapping/<transfer>`.
         task: of the demonstrations.
-        mapping: `models/mapping/<transfer>`; by default that beside the folder of all skills.
+        skills: the folder of all skill models; by default those beside the folder of all mappings.
 
     Raises:
         DataError: a model is missing or damaged.
         LfrError: the source has no prior of the task.
     """
-    from lfr.mapping.artifacts import load_generator
+    from lfr.mapping.artifacts import load_generator, load_mapping_seen
     from lfr.skills.artifacts import load_prior, load_seen, load_vae
 
-    if not (folder / "source" / "vae").is_dir():
-        raise DataError("no skill models of a transfer", file=folder,
-                        expected="models/skills/<transfer>")  # fmt: skip
-    place = folder.resolve()
-    mapping = place.parent.parent / "mapping" / place.name if mapping is None else mapping
-    arms: tuple[Arm, Arm] = ("source", "target")
-    prior = folder / "source" / f"prior-{task}"
+    if not (mapping / "g").is_dir():
+        raise DataError("no mapping", file=mapping, expected="models/mapping/<transfer>")
+    seen = load_mapping_seen(mapping / "g")
+    models = mapping.resolve().parent.parent
+    roots = [models / "skills", models / "external-skills"] if skills is None else [skills]
+    source, target = (_skill_folder(roots, name) for name in seen.skills)
+    prior, own = source.prior(task), target.prior(task)
     if not prior.is_dir():
-        known = sorted(p.name.removeprefix("prior-") for p in folder.glob("source/prior-*"))
-        raise LfrError(f"{folder}: no prior of {task!r}; the source's are of: {', '.join(known)}")
-    own = folder / "target" / f"prior-{task}"
-    seen: dict[Arm, Seen] = {arm: load_seen(folder / arm / "vae") for arm in arms}
+        known = sorted(p.name.removeprefix("prior-") for p in source.path.glob("prior-*"))
+        raise LfrError(f"{mapping}: no prior of {task!r}; the source's are of: {', '.join(known)}")
+    folders: dict[Arm, SkillFolder] = {"source": source, "target": target}
+    seen_by = {arm: load_seen(folder.vae).actions for arm, folder in folders.items()}
     return SkillModels(
-        name=place.name,
-        robots={arm: one.robot for arm, one in seen.items()},
-        actions={arm: one.actions.names if one.actions else () for arm, one in seen.items()},
-        vaes={arm: load_vae(folder / arm / "vae") for arm in arms},
+        name=seen.transfer,
+        robots={"source": seen.source, "target": seen.target},
+        actions={arm: one.names if one else () for arm, one in seen_by.items()},
+        vaes={arm: load_vae(folder.vae) for arm, folder in folders.items()},
         source_prior=load_prior(prior),
         target_prior=load_prior(own) if own.is_dir() else None,
         generator=load_generator(mapping / "g"),
     )
+
+
+def _skill_folder(roots: list[Path], name: str) -> SkillFolder:
+    """Where the models ``<robot>/<tasks>`` lie, below one of the folders of all skill models."""
+    from lfr.skills.library import SkillFolder
+
+    for root in roots:
+        if (root / name).is_dir():
+            return SkillFolder(root / name)
+    raise DataError("no skill models", file=roots[0] / name)
 
 
 def trace_windows(models: SkillModels, episode: Episode) -> WindowTrace:

@@ -17,6 +17,7 @@ from lfr.artifacts import fingerprint
 from lfr.scenarios import Scenario, Transfer
 from lfr.skills.artifacts import Seen, load_vae
 from lfr.skills.demonstrations import DATASETS, balanced, read_visible
+from lfr.skills.library import RoleModels
 from lfr.skills.params import PriorParams
 from lfr.skills.training import train_prior
 from lfr.spaces import ROBOT_STATE, axis, displacement, position
@@ -39,7 +40,7 @@ class AnyTaskJob:
     """The prior of all of the target's common tasks, for the target's own VAE.
 
     Attributes:
-        skills: the transfer's skill models.
+        skills: the target's.
         folder: where ``prior`` is saved.
     """
 
@@ -48,7 +49,7 @@ class AnyTaskJob:
     params: PriorParams
     held_out: float
     seed: int
-    skills: str
+    skills: RoleModels
     folder: str
     datasets: str = str(DATASETS)
 
@@ -62,7 +63,7 @@ def any_task_places(task: Task) -> tuple[int, ...]:
 def fit_any_task(job: AnyTaskJob) -> dict[str, Any]:
     """Train and save the prior, ready for the new task's observations."""
     transfer = job.transfer
-    vae = load_vae(Path(job.skills) / "target" / "vae")
+    vae = load_vae(job.skills.vae())
     known = read_visible(
         job.scenario, transfer.target, "target", transfer.common,
         horizon=vae.horizon, held_out=job.held_out, seed=job.seed, folder=Path(job.datasets),
@@ -80,8 +81,8 @@ def fit_any_task(job: AnyTaskJob) -> dict[str, Any]:
     new = task_named(transfer.task)
     prior = asked_about(inner, OBJECT, new.observation.names, new.manipulated)
     digests = {one.dataset: one.digest for one in known.values()}
-    seen = Seen(job.scenario.name, transfer.target, "target", tuple(known), digests, seed,
-                known[transfer.common[0]].actions)  # fmt: skip
+    actions = known[transfer.common[0]].actions
+    seen = Seen(transfer.target, tuple(known), digests, seed, actions)
     save_other_task(Path(job.folder) / "prior", prior, seen)
     return {"tasks": list(known), "windows": len(observations)}
 

@@ -14,23 +14,24 @@ from lfr.mapping.models import MappingJob, Material
 from lfr.mapping.training import ActionWindows, CommonTask
 from lfr.skills.artifacts import load_prior, load_vae
 from lfr.skills.demonstrations import balanced, read_visible
+from lfr.skills.library import RoleModels
 from lfr.skills.prior import SkillPrior
 from lfr.skills.rows import thinned
 from lfr.skills.vae import SkillVAE
 
 
 def material_between(
-    job: MappingJob, other: Path, seed: int
+    job: MappingJob, other: RoleModels, seed: int
 ) -> tuple[Material, tuple[SkillVAE, SkillVAE]]:
     """What `lfr.mapping.models.read_material` gives, the source arm being both arms.
 
     Args:
         job: names the first repetition; its split of the demonstrations is used. The other's models
             may have seen what is held out here.
-        other: the skill models of the other repetition.
+        other: the source's skill models of the other repetition.
     """
-    transfer, folders = job.transfer, (Path(job.skills) / "source", other / "source")
-    vaes = load_vae(folders[0] / "vae"), load_vae(folders[1] / "vae")
+    transfer, arms = job.transfer, (job.skills["source"], other)
+    vaes = load_vae(arms[0].vae()), load_vae(arms[1].vae())
     known = read_visible(
         job.scenario, transfer.source, "source", (*transfer.common, transfer.task),
         horizon=vaes[0].horizon, held_out=job.held_out, seed=job.seed, folder=Path(job.datasets),
@@ -38,10 +39,10 @@ def material_between(
     )  # fmt: skip
 
     def common(states: dict[str, torch.Tensor]) -> dict[str, CommonTask]:
-        def prior(folder: Path, task: str) -> SkillPrior:
-            return load_prior(folder / f"prior-{task}", known[task].names)
+        def prior(of: RoleModels, task: str) -> SkillPrior:
+            return load_prior(of.prior(task), known[task].names)
 
-        x, y = folders
+        x, y = arms
         return {
             task: CommonTask(prior(x, task), prior(y, task), states[task])
             for task in transfer.common
@@ -54,7 +55,7 @@ def material_between(
         training=common({task: known[task].training_states for task in transfer.common}),
         held_out=common({task: known[task].held_out_states for task in transfer.common}),
         windows=shared if job.params.posterior_share else None,
-        new=(load_prior(folders[0] / f"prior-{transfer.task}", new.names), new.held_out_states),
+        new=(load_prior(arms[0].prior(transfer.task), new.names), new.held_out_states),
         datasets={known[task].dataset: known[task].digest for task in transfer.common},
         action_names=new.actions.names,
     )

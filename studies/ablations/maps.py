@@ -15,6 +15,7 @@ from lfr.mapping.models import MappingJob, Material, read_material
 from lfr.mapping.report import decoded_difference, l1
 from lfr.mapping.training import CommonTask, paired, train_mapping
 from lfr.skills.artifacts import load_vae
+from lfr.skills.library import RoleModels
 from lfr.skills.vae import SkillVAE
 from studies.ablations.between_seeds import material_between
 from studies.ablations.broken_pairs import shuffled
@@ -36,10 +37,10 @@ class MapJob:
 
     kind: MapKind
     mapping: MappingJob
-    other_skills: str | None = None
+    other_skills: RoleModels | None = None
 
 
-def map_jobs(mapping: MappingJob, other_skills: Path, folder: Path) -> dict[str, MapJob]:
+def map_jobs(mapping: MappingJob, other_skills: RoleModels, folder: Path) -> dict[str, MapJob]:
     """Every other phi of a transfer, by the name of its folder in ``folder``.
 
     - linear, constant: closed form (`studies.ablations.closed_form`);
@@ -51,7 +52,7 @@ def map_jobs(mapping: MappingJob, other_skills: Path, folder: Path) -> dict[str,
 
     Args:
         mapping: the job of the method's own G.
-        other_skills: the transfer's skill models of another repetition.
+        other_skills: the source's skill models of another repetition.
     """
     params, transfer = mapping.params, mapping.transfer
     alone = {
@@ -67,7 +68,7 @@ def map_jobs(mapping: MappingJob, other_skills: Path, folder: Path) -> dict[str,
         "linear": MapJob("linear", mapping),
         "constant": MapJob("constant", mapping),
         "shuffled": MapJob("shuffled", mapping),
-        "between_seeds": MapJob("trained", mapping, str(other_skills)),
+        "between_seeds": MapJob("trained", mapping, other_skills),
         **{name: MapJob("trained", job) for name, job in trained.items()},
     }
     return {
@@ -80,17 +81,16 @@ def fit_map(job: MapJob) -> dict[str, Any]:
     """Fit and save ``g``; its errors on held-out states of the tasks that it was fitted to."""
     mapping, transfer = job.mapping, job.mapping.transfer
     seed = int(fingerprint(transfer.name, mapping.seed), 16) % 2**31  # G's own
-    target = transfer.target
+    source, target = mapping.skills["source"], job.other_skills or mapping.skills["target"]
     if job.other_skills is not None:
-        known, vaes = material_between(mapping, Path(job.other_skills), seed)
-        target = transfer.source
+        known, vaes = material_between(mapping, job.other_skills, seed)
     else:
-        known, skills = read_material(mapping, seed), Path(mapping.skills)
-        vaes = load_vae(skills / "source" / "vae"), load_vae(skills / "target" / "vae")
+        known, vaes = read_material(mapping, seed), (load_vae(source.vae()), load_vae(target.vae()))
     g = fitted(job, known, vaes, seed)
     seen = MappingSeen(
-        transfer.name, transfer.source, target, transfer.common, known.datasets, seed
-    )
+        transfer.name, source.robot, target.robot, (source.name, target.name),
+        transfer.common, known.datasets, seed,
+    )  # fmt: skip
     save_generator(Path(mapping.folder) / "g", g, seen)
     return {
         "common": {task: map_report(one, g) for task, one in known.held_out.items()},

@@ -64,8 +64,8 @@ def fit_shared(job: SharedJob) -> dict[str, Any]:
     new = known["source", transfer.task]
     start, actions = new.training.observations, new.training.actions
     prior = train_prior(vae, start, actions, new.names, names, job.params.prior, seed)
-    seen = Seen(job.scenario.name, transfer.source, "source", (transfer.task,),
-                {new.dataset: new.digest}, seed, new.actions)  # fmt: skip
+    digests = {new.dataset: new.digest}
+    seen = Seen(transfer.source, (transfer.task,), digests, seed, new.actions)
     save_prior(folder / "prior", prior, seen)
     return {
         "datasets": {one.dataset: one.digest for one in known.values()},
@@ -80,4 +80,4 @@ def _seen(job: SharedJob, known: Mapping[tuple[Role, str], Demonstrations], seed
     tasks = tuple(dict.fromkeys(task for _, task in known))
     digests = {one.dataset: one.digest for one in known.values()}
     actions = next(iter(known.values())).actions
-    return Seen(job.scenario.name, arms, "source and target", tasks, digests, seed, actions)
+    return Seen(arms, tasks, digests, seed, actions)

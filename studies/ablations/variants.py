@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from lfr.mapping.models import mapping_job
 from lfr.mapping.training import MappingParams
-from lfr.scenarios import Scenario, Transfer
+from lfr.scenarios import Role, Scenario, Transfer
 from lfr.skills.demonstrations import DATASETS
+from lfr.skills.library import RoleModels
 from lfr.skills.params import SkillsParams
 from studies.ablations.any_task import AnyTaskJob, fit_any_task
 from studies.ablations.maps import MapJob, fit_map, map_jobs
@@ -24,8 +26,8 @@ def variant_jobs(
     skills: SkillsParams,
     mapping: MappingParams,
     seed: int,
-    models: Path,
-    other: Path,
+    models: Mapping[Role, RoleModels],
+    other: Mapping[Role, RoleModels],
     folder: Path,
     datasets: Path = DATASETS,
 ) -> dict[str, Variant]:
@@ -33,7 +35,7 @@ def variant_jobs(
 
     Args:
         seed: of the repetition.
-        models: its ``skills``.
+        models: its skill models.
         other: another repetition's.
     """
     own = mapping_job(
@@ -41,15 +43,15 @@ def variant_jobs(
     )  # fmt: skip
     data = str(datasets)
     return {
-        **map_jobs(own, other, folder),
+        **map_jobs(own, other["source"], folder),
         "shared_vae": SharedJob(
             scenario, transfer, skills, seed, str(folder / "shared_vae"), data
         ),
         "any_task": AnyTaskJob(
-            scenario, transfer, skills.prior, skills.held_out, seed, str(models),
+            scenario, transfer, skills.prior, skills.held_out, seed, models["target"],
             str(folder / "any_task"), data,
         ),
-        "wrong_task": WrongTaskJob(transfer, str(models), str(folder / "wrong_task")),
+        "wrong_task": WrongTaskJob(transfer, models["source"], str(folder / "wrong_task")),
     }  # fmt: skip
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 from lfr.scenarios import Transfer
 from lfr.skills.artifacts import load_prior, load_seen
+from lfr.skills.library import RoleModels
 from lfr.tasks import task as task_named
 from studies.ablations.other_task import asked_about, save_other_task
 
@@ -17,19 +18,19 @@ class WrongTaskJob:
     """The source's prior of the first common task, asked about the new one; nothing is trained.
 
     Attributes:
-        skills: the transfer's skill models.
+        skills: the source's.
         folder: where ``prior`` is saved.
     """
 
     transfer: Transfer
-    skills: str
+    skills: RoleModels
     folder: str
 
 
 def make_wrong_task(job: WrongTaskJob) -> dict[str, Any]:
     """Save the prior of the first common task so that it answers the new task's observations."""
     wrong, new = task_named(job.transfer.common[0]), task_named(job.transfer.task)
-    folder = Path(job.skills) / "source" / f"prior-{wrong.name}"
+    folder = job.skills.prior(wrong.name)
     inner = load_prior(folder, wrong.observation.names)
     names = new.observation.names
     prior = asked_about(inner, wrong.manipulated, names, new.manipulated)

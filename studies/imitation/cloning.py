@@ -62,7 +62,7 @@ def fit_imitation(job: ImitationJob) -> dict[str, Any]:
     seconds = time.perf_counter() - began
     digests = {job.dataset.name: file_hash(job.dataset / "data")}
     space = demonstrations.action_space
-    seen = Seen(job.scenario.name, job.robot, "source", (job.task,), digests, seed, space)
+    seen = Seen(job.robot, (job.task,), digests, seed, space)
     save_policy(Path(job.folder), policy, seen)
     return {
         "updates": job.params.updates,

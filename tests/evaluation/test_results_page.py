@@ -7,15 +7,13 @@ from typing import Any
 
 import pytest
 
-from lfr.artifacts import write_json
+from lfr.artifacts import read_json, write_json
 from lfr.errors import DataError
 from lfr.evaluation import figures
 from lfr.evaluation import results_tables as tables
-from lfr.evaluation.chain import chain_trials
 from lfr.evaluation.records import CHAIN, chain_records, read_runs, transfer_records
 from lfr.evaluation.results_page import report
 from lfr.evaluation.success_rate import success_of
-from lfr.scenarios import Transfer
 
 NAME = "s1-panda-lift-lfr"
 
@@ -54,22 +52,15 @@ def results(tmp_path: Path) -> Path:
     rates = {link: rate(10 * i) for i, link in enumerate(CHAIN)}
     zero_shot = {link: rates[link] for link in ("identity", "recoded", "mapped")}
     rmse = {"lift": {"rmse": {"dx": 0.1, "dy": 0.1, "dz": 0.1}}}
-    skills = {
-        role: {
-            "robot": robot,
-            "prior": {"lift": {"own_arm": rates[link], "kl_held_out": 5.0}},
-            "held_out": rmse,
-        }
-        for role, robot, link in (("source", "sawyer", "own_arm"), ("oracle", "panda", "oracle"))
-    }
-    write_json(tmp_path / "skills" / "s1-panda-lift.json", {**skills, "seconds": 3.0})
-    chain = {
-        "source": "sawyer",
-        "target": "panda",
-        "task": "lift",
-        "zero_shot": zero_shot,
-        "seconds": 2.0,
-    }
+    for robot, link in (("sawyer", "own_arm"), ("panda", "oracle")):
+        prior = {"lift": {"own_arm": rates[link], "kl_held_out": 5.0}}
+        model = {"tasks": ["lift", "pick_place"], "prior": prior, "held_out": rmse}
+        skills = {"robot": robot, "models": {"lift+pick_place": model}, "seconds": 1.5}
+        write_json(tmp_path / "skills" / f"{robot}.json", skills)
+    names = {"source": "sawyer/lift+pick_place", "target": "panda/pick_place",
+             "oracle": "panda/lift+pick_place"}  # fmt: skip
+    chain = {"source": "sawyer", "target": "panda", "task": "lift", "skills": names,
+             "zero_shot": zero_shot, "seconds": 2.0}  # fmt: skip
     record = {"seconds": 10.0, "peak_memory": 2**30, "provenance": {"revision": "b0a7"}}
     lengths = {"episodes": 50, "attempts": 50, "expert_success": 1.0, "frames": 2500,
                "length": {"median": 50.0}}  # fmt: skip
@@ -115,6 +106,22 @@ def test_tables_show_the_rates(results: Path) -> None:
     assert shown["oracle"] == 0.4
 
 
+def test_links_that_the_arms_do_not_allow_are_left_out(results: Path) -> None:
+    file = results / "chain" / "s1-panda-lift.json"
+    chain = read_json(file)
+    del chain["zero_shot"]["identity"], chain["zero_shot"]["recoded"]
+    write_json(file, chain)
+    chains = chain_records(["s1-panda-lift"], results)
+    assert tuple(chains["s1-panda-lift"]["zero_shot"]) == ("own_arm", "mapped", "oracle")
+    header, _, row = tables.chain_table(chains).splitlines()
+    cells = [[cell.strip() for cell in line.split("|")[1:-1]] for line in (header, row)]
+    found = dict(zip(*cells, strict=True))
+    assert (found["identity"], found["recoded"]) == ("-", "-")
+    assert found["mapped"].startswith("30 (")
+    records = transfer_records(read_runs(["s1-panda-lift"], ["lfr"], results))
+    assert "identity" not in tables.summary(records, chains)[NAME]
+
+
 def test_the_report_says_of_each_stage_how_it_ran(results: Path) -> None:
     records = transfer_records(read_runs(["s1-panda-lift"], ["lfr"], results))
     text = report(records, chain_records(["s1-panda-lift"], results), results)
@@ -123,7 +130,9 @@ def test_the_report_says_of_each_stage_how_it_ran(results: Path) -> None:
     assert stages["record"] == ["1", "10", "1.00", "b0a7"]
     assert stages["transfer"] == ["1", "1", "1.50", "c0ffee+"]
     assert stages["evaluate"] == ["1", "1", "-", "?"]  # left by a stage that did not say
-    assert stages["all"] == ["4", "15", "1.50", ""]
+    assert stages["all"] == ["5", "15", "1.50", ""]
+    skilled = [row for row in rows if row[1:3] == ["lift, pick_place", "lift"]]
+    assert [row[0] for row in skilled] == ["panda", "sawyer"]
     assert "- transfer: Python 3.12.1, Linux; mujoco 3.9.0." in text
 
 
@@ -150,13 +159,3 @@ def test_the_figure_is_the_same_bytes_again(results: Path) -> None:
         figures.learning_figure(file, curves, records, warm_up=1000)
     assert files[0].read_bytes() == files[1].read_bytes()
     assert b"<svg" in files[0].read_bytes()
-
-
-def test_the_chain_has_its_links_in_order_and_on_the_right_arm(tmp_path: Path) -> None:
-    transfer = Transfer("s1-panda-lift", "s1", "sawyer", "panda", ("pick_place",), "lift")
-    trials = chain_trials(transfer, Path("skills"), Path("mapping"), 10)
-    own_arm = {"own_arm", "oracle"}  # measured by the skills stage
-    assert tuple(trials) == tuple(link for link in CHAIN if link not in own_arm)
-    assert {trial.robot for trial in trials.values()} == {"panda"}
-    assert {trial.task for trial in trials.values()} == {"lift"}
-    assert {trial.episodes for trial in trials.values()} == {10}

@@ -24,6 +24,7 @@ from .. import tiny_project
 from . import made_up
 
 NAME = "plane-puck-park"
+SOURCE, TARGET = "crane/park+pull+push", "puck/pull+push"
 SIZES = """
 skills:
   vae: {horizon: 5, execute: 3, latent_dim: 6, hidden: 32, steps: 800, batch: 64}
@@ -51,11 +52,12 @@ def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("theirs")
     made_up.write_both(folder / "data/external", episodes=12)
     (folder / "params.yaml").write_text(params())
-    for stage in ("skills", "mapping"):
+    for stage, key in (("skills", "crane"), ("skills", "puck"), ("mapping", NAME)):
+        option = "robot" if stage == "skills" else "transfer"
         code = (
             "import sys; sys.modules.update(mujoco=None, robosuite=None, numba=None)\n"
             f"from lfr.program import run_stage; from pipeline.{stage} import main\n"
-            f"sys.argv[1:] = ['--transfer', '{NAME}']; sys.exit(run_stage(main))"
+            f"sys.argv[1:] = ['--{option}', '{key}']; sys.exit(run_stage(main))"
         )
         ran = subprocess.run(
             [sys.executable, "-c", code], cwd=folder, env=tiny_project.ENVIRONMENT,
@@ -66,26 +68,29 @@ def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_the_leak_rule_holds_for_external_arms(project: Path) -> None:
-    skills = project / "models/skills" / NAME
-    seen = {role: load_seen(skills / role / "vae") for role in ("source", "target")}
-    assert seen["source"].tasks == ("push", "pull", "park")
-    assert seen["target"].tasks == ("push", "pull")
-    assert set(seen["target"].datasets) == {"puck-push", "puck-pull"}
-    assert not (skills / "oracle").exists()  # nobody has shown the puck how to park
-    assert load_mapping_seen(project / "models/mapping" / NAME / "g").tasks == ("push", "pull")
+    skills = project / "models/external-skills"
+    source, target = (load_seen(skills / name / "vae") for name in (SOURCE, TARGET))
+    assert source.tasks == ("park", "pull", "push")
+    assert target.tasks == ("pull", "push")
+    assert set(target.datasets) == {"puck-push", "puck-pull"}
+    # Nobody has shown the puck how to park, so there is no oracle.
+    assert [path.name for path in (skills / "puck").iterdir()] == ["pull+push"]
+    mapping = load_mapping_seen(project / "models/mapping" / NAME / "g")
+    assert mapping.tasks == ("push", "pull")
+    assert mapping.skills == (SOURCE, TARGET)
 
 
 def test_what_the_actions_stand_for_is_kept_with_the_models(project: Path) -> None:
-    seen = load_seen(project / "models/skills" / NAME / "source/vae")
+    seen = load_seen(project / "models/external-skills" / SOURCE / "vae")
     assert seen.actions is not None
     assert seen.actions.names == ("vx", "vy", "hand")
     assert seen.actions.physical(np.array([1.0, -1.0, 0.0])).tolist() == [500, -500, 0.5]
 
 
 def test_the_reports_say_what_can_be_said_without_a_simulator(project: Path) -> None:
-    skills = read_json(project / f"results/skills/{NAME}.json")
-    assert set(skills["source"]["held_out"]["push"]["rmse"]) == {"vx", "vy", "hand"}
-    assert "own_arm" not in skills["source"]["prior"]["push"]
+    (model,) = read_json(project / "results/skills/crane.json")["models"].values()
+    assert set(model["held_out"]["push"]["rmse"]) == {"vx", "vy", "hand"}
+    assert "own_arm" not in model["prior"]["push"]
     mapping = read_json(project / f"results/mapping/{NAME}.json")
     assert mapping["new"]["park"]["decoded_difference"] == {}  # the actions are different things
     for task in mapping["common"].values():  # G and F have learned more than a constant
@@ -96,10 +101,10 @@ def test_the_reports_say_what_can_be_said_without_a_simulator(project: Path) -> 
 
 def test_a_mapped_skill_does_on_the_target_what_the_source_would_do(project: Path) -> None:
     """The puck, by the crane's priors through G, moves as its own demonstrator would."""
-    skills, mapping = project / "models/skills" / NAME, project / "models/mapping" / NAME
-    g, vae = load_generator(mapping / "g"), load_vae(skills / "target/vae")
+    skills, mapping = project / "models/external-skills", project / "models/mapping" / NAME
+    g, vae = load_generator(mapping / "g"), load_vae(skills / TARGET / "vae")
     for task in ("push", "pull"):
-        prior = load_prior(skills / "source" / f"prior-{task}")
+        prior = load_prior(skills / SOURCE / f"prior-{task}")
         policy = SkillPolicy(prior, g, vae)
         cosines = []
         for seed in range(100, 120):
@@ -112,13 +117,15 @@ def test_a_mapped_skill_does_on_the_target_what_the_source_would_do(project: Pat
 
 
 def test_cards_claim_no_simulation(project: Path) -> None:
-    for stage, words in (("skills", "vae"), ("mapping", "generator")):
-        facts = read_models(project / "models" / stage / NAME, project / "results")
+    for stage, name, words in (("skills", "crane", "vae"), ("mapping", NAME, "generator")):
+        place = "external-skills" if stage == "skills" else stage
+        facts = read_models(project / "models" / place / name, project / "results")
+        assert facts.folder == f"models/{place}/{name}"
         text = model_card(facts)
         assert "robosuite" not in text
         assert "license:" not in text
         assert "imulated" not in text
-        assert f"dvc repro external-{stage}@{NAME}" in text
+        assert f"dvc repro external-{stage}@{name}" in text
         assert words in text
 
 
@@ -176,7 +183,8 @@ def test_dvc_runs_them_and_nothing_else(project: Path, tmp_path: Path) -> None:
         if (project / name).exists():
             (folder / name).symlink_to(project / name)
     planned = tiny_project.run(folder, "dvc", "repro", "--dry", f"external-mapping@{NAME}").stdout
-    assert f"pipeline.skills --transfer {NAME}" in planned
+    for robot in ("crane", "puck"):
+        assert f"pipeline.skills --robot {robot}" in planned
     assert f"pipeline.mapping --transfer {NAME}" in planned
     assert "pipeline.record" not in planned
     assert "pipeline.pack" not in planned

@@ -43,12 +43,11 @@ def models(tmp_path_factory: pytest.TempPathFactory) -> Path:
     from lfr.skills.vae import SkillVAE
 
     torch.manual_seed(0)
-    folder = tmp_path_factory.mktemp("hub") / "s1-panda-lift"
-    seen = Seen("s1", "sawyer", "source", ("lift",), {"sawyer-lift": "0" * 64}, seed=0)
-    save_vae(folder / "source" / "vae", SkillVAE(4, 7, 3, 8, 2), seen)
-    save_prior(
-        folder / "source" / "prior-lift", SkillPrior(("number.a", "number.b"), 3, 8, 2), seen
-    )
+    folder = tmp_path_factory.mktemp("hub") / "sawyer"
+    seen = Seen("sawyer", ("lift",), {"sawyer-lift": "0" * 64}, seed=0)
+    save_vae(folder / "lift+stack" / "vae", SkillVAE(4, 7, 3, 8, 2), seen)
+    prior = SkillPrior(("number.a", "number.b"), 3, 8, 2)
+    save_prior(folder / "lift+stack" / "prior-lift", prior, seen)
     return folder
 
 

@@ -261,9 +261,9 @@ def test_results_of_another_dataset_are_refused(key: str, tmp_path: Path) -> Non
 
 
 def test_results_of_other_models_are_refused(models: Path, tmp_path: Path) -> None:
-    noted = {"source": {"datasets": {"sawyer-lift": "1" * 64}}}
+    noted = {"models": {"lift+stack": {"datasets": {"sawyer-lift": "1" * 64}}}}
     (tmp_path / "skills").mkdir()
-    (tmp_path / "skills" / "s1-panda-lift.json").write_text(json.dumps(noted))
+    (tmp_path / "skills" / "sawyer.json").write_text(json.dumps(noted))
     with pytest.raises(DataError, match="other models"):
         read_models(models, tmp_path)
 
@@ -291,7 +291,7 @@ def test_cards_are_written_and_checked(
     assert cli.main(command) == 0
     files = {f.relative_to(tmp_path).as_posix() for f in tmp_path.rglob("*") if f.is_file()}
     assert files == {"dataset_cards/panda-lift.md", "dataset_cards/panda-lift.jpg",
-                     "model_cards/skills-s1-panda-lift.md"}  # fmt: skip
+                     "model_cards/skills-sawyer.md"}  # fmt: skip
     assert cli.main([*command, "--check"]) == 0
     (tmp_path / card_command.DATASETS / "panda-lift.md").write_text("old")
     capsys.readouterr()
@@ -300,11 +300,18 @@ def test_cards_are_written_and_checked(
 
 
 def test_without_paths_studies_are_left_alone(tmp_path: Path) -> None:
-    places = ["transfer/a-lfr", "skills/a", "mapping/a", "studies/a", "study-policies/a-sac"]
+    places = [
+        "transfer/a-lfr",
+        "skills/a",
+        "external-skills/b",
+        "mapping/a",
+        "studies/a",
+        "study-policies/a-sac",
+    ]
     for place in places:
         (tmp_path / "models" / place).mkdir(parents=True)
     (tmp_path / "data/robot-task").mkdir(parents=True)
     found = everything(tmp_path / "data", tmp_path / "models")
     names = [path.relative_to(tmp_path).as_posix() for path in found]
-    assert names == ["data/robot-task", "models/mapping/a", "models/skills/a",
-                     "models/transfer/a-lfr"]  # fmt: skip
+    assert names == ["data/robot-task", "models/external-skills/b", "models/mapping/a",
+                     "models/skills/a", "models/transfer/a-lfr"]  # fmt: skip

@@ -70,7 +70,7 @@ def test_models_replace_an_earlier_publication(models: Path, tmp_path: Path) -> 
     link.symlink_to(out)
     assert publish(models, out) == publish(models, link) == 0
     assert link.is_symlink()
-    assert {"README.md", "source/vae/config.json"} <= set(contents(out))
+    assert {"README.md", "lift+stack/vae/config.json"} <= set(contents(out))
 
 
 def test_what_is_behind_a_link_is_not_left_out_unsaid(
@@ -144,7 +144,7 @@ def test_logs_of_another_dataset_are_refused(
 def test_models_of_which_one_is_cut_off_are_refused(models: Path, tmp_path: Path) -> None:
     copy = tmp_path / "s1-panda-lift"
     shutil.copytree(models, copy)
-    file = copy / "source" / "vae" / "model.safetensors"
+    file = copy / "lift+stack" / "vae" / "model.safetensors"
     file.write_bytes(file.read_bytes()[:-10])
     with pytest.raises(DataError, match="vae"):
         publication(copy, repo_id=None, results=NOWHERE)

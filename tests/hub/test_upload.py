@@ -164,7 +164,7 @@ def test_models_are_published_and_load_again(hub: Hub, models: Path) -> None:
     assert publish(models, repo="someone/skills") == 0
     assert ("model", "someone/skills") in hub.repositories
     folder = Path(snapshot_download("someone/skills"))
-    for load_one, place in ((load_vae, "source/vae"), (load_prior, "source/prior-lift")):
+    for load_one, place in ((load_vae, "lift+stack/vae"), (load_prior, "lift+stack/prior-lift")):
         found, expected = (load_one(root / place).state_dict() for root in (folder, models))
         assert found.keys() == expected.keys()
         assert all(torch.equal(found[name], expected[name]) for name in expected)

@@ -19,6 +19,8 @@ from lfr.skills.vae import LOG_SIGMA_RANGE
 
 Z = 3
 
+SKILLS = "sawyer/lift+stack", "panda/lift"
+
 
 def pair() -> tuple[Generator, Generator, torch.Tensor, torch.Tensor]:
     torch.manual_seed(0)
@@ -56,7 +58,7 @@ def test_a_generator_maps_mean_and_spread() -> None:
 
 def test_saved_generators_come_back_identical(tmp_path: Path) -> None:
     g, _, k_x, _ = pair()
-    seen = MappingSeen("t", "sawyer", "panda", ("lift",), {"panda-lift": "ab"}, 3)
+    seen = MappingSeen("t", "sawyer", "panda", SKILLS, ("lift",), {"panda-lift": "ab"}, 3)
     save_generator(tmp_path / "g", g, seen)
     assert torch.equal(load_generator(tmp_path / "g").translate(k_x), g.translate(k_x))
     assert load_mapping_seen(tmp_path / "g") == seen
@@ -64,7 +66,7 @@ def test_saved_generators_come_back_identical(tmp_path: Path) -> None:
 
 def test_a_damaged_generator_is_named(tmp_path: Path) -> None:
     g, _, _, _ = pair()
-    seen = MappingSeen("t", "sawyer", "panda", ("lift",), {}, 3)
+    seen = MappingSeen("t", "sawyer", "panda", SKILLS, ("lift",), {}, 3)
     save_generator(tmp_path / "g", g, seen)
     file = tmp_path / "g" / "model.safetensors"
     file.write_bytes(file.read_bytes()[:100])

@@ -29,7 +29,7 @@ from lfr.tasks import task
 
 NAMES = task("lift").observation.names
 OSC = embodiment("panda").action.names
-SEEN = Seen("s1", "panda", "target", ("pick_place",), {"panda-pick_place": "ab"}, 7)
+SEEN = Seen("panda", ("pick_place",), {"panda-pick_place": "ab"}, 7)
 
 
 def observations(count: int, seed: int = 0) -> torch.Tensor:

@@ -70,7 +70,7 @@ def test_the_expert_in_a_moved_scene_does_the_moved_action(
 ) -> None:
     layout = TASKS["lift"].observation
     # So weak that no component saturates: the bound is on components, not on the length.
-    expert = Expert("lift", layout, ExpertParams(gain=1e-3, turn_gain=0.05))
+    expert = Expert(TASKS["lift"], layout, ExpertParams(gain=1e-3, turn_gain=0.05))
     seen = lift_observation(rotation, np.array([0.05, -0.02, -0.1]))
     action = torch.tensor(expert.clean(seen[0].numpy()))
     moved = motion(angle, mirror, shift)

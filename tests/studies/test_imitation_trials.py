@@ -31,7 +31,7 @@ def test_policies_are_judged_after_their_training_by_seed_and_name(
     trained: list[int] = []
 
     def fit(job: ImitationJob) -> dict[str, int]:
-        save_policy(Path(job.folder), network(), Seen("s1", "sawyer", "source", (), {}, job.seed))
+        save_policy(Path(job.folder), network(), Seen("sawyer", (), {}, job.seed))
         trained.append(job.seed)
         return {"updates": job.seed}
 

@@ -12,18 +12,20 @@ from lfr.errors import DataError
 from lfr.evaluation.trials import Trial
 from lfr.mapping.artifacts import MappingSeen, save_generator
 from lfr.mapping.generator import Generator
-from lfr.scenarios import Scenario, transfers_of
+from lfr.scenarios import Role, Scenario, transfers_of
 from lfr.skills.artifacts import Seen, save_prior, save_vae
+from lfr.skills.library import RoleModels, transfer_models
 from lfr.skills.policy import SkillPolicy
 from lfr.skills.prior import SkillPrior
 from lfr.skills.vae import SkillVAE
 from lfr.tasks import task
 from studies.ablations.other_task import OtherTaskPrior, asked_about, save_other_task
 from studies.zero_shot import model_trials, variant_trials
+from tests.skills.made_up import save_models
 
 SCENARIO = Scenario("s1", ("pick_place", "nut_assembly"), {"panda": "lift", "sawyer": "stack"})
 TRANSFER = transfers_of(SCENARIO)[0]  # lift from sawyer to panda
-SEEN = Seen("s1", "sawyer", "source", ("lift",), {}, 0)
+SEEN = Seen("sawyer", ("lift",), {}, 0)
 LIFT = task("lift").observation.names
 
 
@@ -32,14 +34,21 @@ def prior(of: str = "lift") -> SkillPrior:
 
 
 def generator(folder: Path) -> None:
-    save_generator(folder, Generator(3, 4, 2), MappingSeen("t", "a", "b", (), {}, 0))
+    save_generator(folder, Generator(3, 4, 2), MappingSeen("t", "a", "b", ("a/", "b/"), (), {}, 0))
+
+
+def skills(folder: Path) -> dict[Role, RoleModels]:
+    return transfer_models(SCENARIO, TRANSFER, folder / "skills")
+
+
+def retrain(folder: Path, role: Role) -> None:
+    save_models(skills(folder)[role], SkillVAE(4, 7, 3, 4), {})
 
 
 def repetition(folder: Path) -> Path:
-    for role in ("source", "target", "oracle"):
-        save_vae(folder / "skills" / role / "vae", SkillVAE(4, 7, 3, 4), SEEN)
-    for role in ("source", "oracle"):
-        save_prior(folder / "skills" / role / "prior-lift", prior(), SEEN)
+    for role, models in skills(folder).items():
+        priors = {} if role == "target" else {"lift": prior()}
+        save_models(models, SkillVAE(4, 7, 3, 4), priors)
     generator(folder / "mapping" / "g")
     return folder
 
@@ -61,8 +70,10 @@ def folders(tmp_path: Path) -> tuple[Path, Path, Path]:
 
 def every(folders: tuple[Path, Path, Path]) -> dict[str, Trial]:
     models, other, variants = folders
-    own = model_trials(TRANSFER, models, 5)
-    return own | variant_trials(TRANSFER, models, other, variants, 5)
+    skilled, mapping = skills(models), models / "mapping"
+    own = model_trials(TRANSFER, skilled, mapping, 5)
+    source = skills(other)["source"]
+    return own | variant_trials(TRANSFER, skilled, mapping, source, variants, 5)
 
 
 def test_every_policy_has_its_arm_and_acts(folders: tuple[Path, Path, Path]) -> None:
@@ -76,8 +87,9 @@ def test_every_policy_has_its_arm_and_acts(folders: tuple[Path, Path, Path]) -> 
     assert on_source == {"own_arm", "between_seeds"}
     for trial in trials.values():
         assert (trial.task, trial.episodes) == ("lift", 5)
-        assert trial.policy.load().act(torch.zeros(len(LIFT)).numpy()).shape == (4, 7)
-    wrong = trials["wrong_task"].policy.load()
+        policy = trial.policy.load(trial.robot)
+        assert policy.act(torch.zeros(len(LIFT)).numpy()).shape == (4, 7)
+    wrong = trials["wrong_task"].policy.load("panda")
     assert isinstance(wrong, SkillPolicy)
     assert isinstance(wrong.prior, OtherTaskPrior)
     # No two are the same policy on the same arm.
@@ -94,9 +106,9 @@ def test_a_retrained_model_is_judged_anew_and_no_other(folders: tuple[Path, Path
 
     generator(variants / "linear" / "g")
     assert changed() == {"linear"}
-    save_vae(other / "skills" / "source" / "vae", SkillVAE(4, 7, 3, 4), SEEN)
+    retrain(other, "source")
     assert changed() == {"linear", "between_seeds"}
-    save_vae(models / "skills" / "oracle" / "vae", SkillVAE(4, 7, 3, 4), SEEN)
+    retrain(models, "oracle")
     assert changed() == {"linear", "between_seeds", "oracle", "oracle_decoder"}
     generator(models / "mapping" / "g")
     expected = {"linear", "between_seeds", "oracle", "oracle_decoder", "mapped", "wrong_task"}
@@ -105,4 +117,4 @@ def test_a_retrained_model_is_judged_anew_and_no_other(folders: tuple[Path, Path
 
 def test_a_missing_model_is_named(folders: tuple[Path, Path, Path], tmp_path: Path) -> None:
     with pytest.raises(DataError, match="nothing"):
-        variant_trials(TRANSFER, folders[0], folders[1], tmp_path / "nothing", 5)
+        every((folders[0], folders[1], tmp_path / "nothing"))

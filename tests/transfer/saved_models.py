@@ -8,27 +8,30 @@ import torch
 
 from lfr.mapping.artifacts import MappingSeen, save_generator
 from lfr.mapping.generator import Generator
-from lfr.scenarios import Transfer
-from lfr.skills.artifacts import Seen, save_prior, save_vae
+from lfr.scenarios import Scenario, transfers_of
+from lfr.skills.artifacts import Seen
+from lfr.skills.library import transfer_models
 from lfr.skills.prior import SkillPrior
 from lfr.skills.vae import SkillVAE
 from lfr.transfer.methods.initialization import TrainedModels
+from tests.skills.made_up import save_models
 
 from .point import NAMES
 
-TRANSFER = Transfer("s-b-new", "s", "a", "b", ("lift",), "new")
-SEEN = Seen("s", "a", "source", ("new",), {}, 0)
-MAPPED = MappingSeen("s-b-new", "a", "b", ("lift",), {}, 0)
+SCENARIO = Scenario("s", ("lift",), {"a": "other", "b": "new"})
+_, TRANSFER = transfers_of(SCENARIO)  # from a to b
+SEEN = Seen("a", ("new",), {}, 0)
+MAPPED = MappingSeen("s-b-new", "a", "b", ("a/lift+new", "b/lift"), ("lift",), {}, 0)
 
 
 def saved_models(folder: Path) -> TrainedModels:
     """Both VAEs, the source's prior of the new task, and G."""
     torch.manual_seed(1)
-    skills, mapping = folder / "skills", folder / "mapping"
-    for role in ("source", "target"):
-        save_vae(skills / role / "vae", SkillVAE(3, 2, 4, 8), SEEN)
+    skills, mapping = transfer_models(SCENARIO, TRANSFER, folder / "skills"), folder / "mapping"
+    vaes = SkillVAE(3, 2, 4, 8), SkillVAE(3, 2, 4, 8)
     prior = SkillPrior(NAMES, latent_dim=4, hidden=16, layers=2)
     prior.normalizer.mean.fill_(0.5)
-    save_prior(skills / "source" / "prior-new", prior, SEEN)
+    save_models(skills["source"], vaes[0], {"new": prior})
+    save_models(skills["target"], vaes[1], {})
     save_generator(mapping / "g", Generator(4, 16, 3), MAPPED)
     return TrainedModels(TRANSFER, skills, mapping)

@@ -9,12 +9,14 @@ import numpy as np
 import pytest
 import torch
 
-from lfr.errors import DataError, UnknownNameError
+from lfr.columns import ActionSpace
+from lfr.errors import DataError, LfrError, UnknownNameError
+from lfr.skills.artifacts import load_seen, save_vae
 from lfr.transfer.distribution import SQUASHED
 from lfr.transfer.loop import TransferLoop
 from lfr.transfer.methods import METHODS, initialize
 from lfr.transfer.methods.initialization import TrainedModels
-from lfr.transfer.model import load_policy, save_policy
+from lfr.transfer.model import LearnedFiles, load_policy, save_policy
 
 from .point import NAMES, PointSimulation
 from .saved_models import saved_models
@@ -108,3 +110,22 @@ def test_a_network_that_nobody_registered_is_named_with_the_known_ones(models, p
         f"an unknown kind of network: {file}, found SomebodysMap, expected SkillPrior or Generator "
         "or SkillVAE or IdentityMap or StandardNormal or OneAction"
     )
+
+
+def test_ap_is_refused_where_the_target_cannot_carry_out_the_sources_actions(models, params):
+    folder = models.skills["source"].vae()
+    joints = ActionSpace(("dq.left", "dq.right"), (-1.0,) * 2, (1.0,) * 2)
+    seen = dataclasses.replace(load_seen(folder), actions=joints)
+    save_vae(folder, models.source_vae(), seen)
+    with pytest.raises(LfrError, match=r"^ap: b cannot carry out the actions of a; choose "):
+        initialize("ap", models, params, 0)
+    assert initialize("lfr", models, params, 0).latent_dim == 4
+
+
+def test_a_policy_of_another_robot_is_refused(models, params, tmp_path):
+    files = LearnedFiles(str(tmp_path / "policy"))
+    actor = initialize("lfr", models, params, 0).actor
+    save_policy(tmp_path / "policy", actor, {"robot": "panda-joint_position"})
+    assert files.load("panda-joint_position").decoder.latent_dim == 4
+    with pytest.raises(DataError, match=r"of another robot: .*found panda-joint_position"):
+        files.load("panda")

@@ -15,6 +15,7 @@ from lfr.errors import DataError, LfrError, UnknownNameError
 from lfr.mapping.artifacts import MappingSeen, save_generator
 from lfr.mapping.generator import Generator
 from lfr.skills.artifacts import Seen, save_prior, save_vae
+from lfr.skills.library import skill_folder
 from lfr.skills.prior import SkillPrior
 from lfr.skills.vae import SkillVAE
 from lfr.view.skills import carried, divergences
@@ -28,17 +29,18 @@ H, Z = 4, 3
 
 @pytest.fixture(scope="module")
 def models(recorded: Recorded, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Skill models of a made-up transfer from Panda to Sawyer, untrained."""
+    """The mapping of a made-up transfer from Panda to Sawyer, beside the skills, untrained."""
     torch.manual_seed(0)
     root = tmp_path_factory.mktemp("models")
-    folder = root / "skills" / "s9-sawyer-lift"
+    folder = root / "mapping" / "s9-sawyer-lift"
     names = [n for key in (STATE, ENVIRONMENT_STATE) for n in recorded.episode.schema[key].names]
-    for role, robot in (("source", "panda"), ("target", "sawyer")):
-        seen = Seen("s9", robot, role, ("lift",), {}, 0)
-        save_vae(folder / role / "vae", SkillVAE(H, 7, Z, 8), seen)
-        save_prior(folder / role / "prior-lift", SkillPrior(tuple(names), Z, 8, 2), seen)
-    learned = MappingSeen("s9-sawyer-lift", "panda", "sawyer", ("lift",), {}, 0)
-    save_generator(root / "mapping" / "s9-sawyer-lift" / "g", Generator(Z, 8, 3), learned)
+    for robot in ("panda", "sawyer"):
+        seen, skills = Seen(robot, ("lift",), {}, 0), skill_folder(root / "skills", robot, ["lift"])
+        save_vae(skills.vae, SkillVAE(H, 7, Z, 8), seen)
+        save_prior(skills.prior("lift"), SkillPrior(tuple(names), Z, 8, 2), seen)
+    spaces = ("panda/lift", "sawyer/lift")
+    learned = MappingSeen("s9-sawyer-lift", "panda", "sawyer", spaces, ("lift",), {}, 0)
+    save_generator(folder / "g", Generator(Z, 8, 3), learned)
     return folder
 
 
@@ -78,7 +80,7 @@ def _normal(gaussians: Gaussians) -> torch.distributions.Normal:
 
 def test_the_command_shows_both_spaces(models: Path, dataset: Path, tmp_path: Path) -> None:
     out = tmp_path / "skills.rrd"
-    arguments = ["--episode", "0", "--skills", str(models), "--save", str(out)]
+    arguments = ["--episode", "0", "--mapping", str(models), "--save", str(out)]
     assert main(["view", str(dataset), *arguments]) == 0
     entities = rrd.read(out)
     for entity in ("source/prior", "source/window", "target/mapped", "target/prior"):
@@ -126,8 +128,10 @@ def test_what_is_carried_is_a_least_squares_factor() -> None:
 def test_models_of_others_are_refused(models: Path, recorded: Recorded, tmp_path: Path) -> None:
     with pytest.raises(LfrError, match=r"no prior of 'stack'.*lift"):
         load_skill_models(models, "stack")
-    with pytest.raises(DataError, match="no skill models"):
+    with pytest.raises(DataError, match="no mapping"):
         load_skill_models(tmp_path, "lift")
+    with pytest.raises(DataError, match=r"no skill models.*panda/lift"):
+        load_skill_models(models, "lift", tmp_path)
     loaded = load_skill_models(models, "lift")
     with pytest.raises(UnknownNameError, match="panda, sawyer"):
         trace_windows(loaded, replace(recorded.episode, robot="ur5e"))

@@ -1,5 +1,7 @@
 """The source's policy without G: with its own decoder, or with the target's (part V)."""
 
+from lfr.errors import LfrError
+from lfr.skills.library import same_actions
 from lfr.transfer.methods.initialization import Initialization, TrainedModels, initialize_from
 from lfr.transfer.params import TransferParams
 from lfr.transfer.policy import IdentityMap
@@ -9,7 +11,16 @@ def ap(models: TrainedModels, params: TransferParams) -> Initialization:
     """Adapt the learned Policy (Tables I and II): the source's prior and decoder as they are.
 
     The source's actions are then carried out by the target; learning fine-tunes them.
+
+    Raises:
+        LfrError: they are other things than the target's, such as motions of other joints.
     """
+    if not same_actions(models.skills):
+        source, target = models.transfer.source, models.transfer.target
+        raise LfrError(
+            f"ap: {target} cannot carry out the actions of {source}; "
+            "choose a method that translates them, such as lfr"
+        )
     prior = models.source_prior()
     return initialize_from(prior, IdentityMap(), models.source_vae(), params, prior)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,8 +11,9 @@ from torch import nn
 
 from lfr.mapping.artifacts import load_generator
 from lfr.mapping.generator import Generator
-from lfr.scenarios import Transfer
+from lfr.scenarios import Role, Transfer
 from lfr.skills.artifacts import load_prior, load_vae
+from lfr.skills.library import RoleModels
 from lfr.skills.prior import SkillPrior
 from lfr.skills.vae import SkillVAE
 from lfr.transfer.actor import SkillActor
@@ -41,26 +43,26 @@ class Initialization:
 
 @dataclass(frozen=True)
 class TrainedModels:
-    """What was trained before RL for one transfer, by its folders; loaded when asked for.
+    """What was trained before RL for one transfer; loaded when asked for.
 
     Attributes:
-        skills: of the skill models, by role.
-        mapping: of G and F.
+        skills: the arms' skill models.
+        mapping: folder of G and F.
     """
 
     transfer: Transfer
-    skills: Path
+    skills: Mapping[Role, RoleModels]
     mapping: Path
 
     def source_prior(self) -> SkillPrior:
         """The source's prior of the new task, p_a of Eq. 8 and 9."""
-        return load_prior(self.skills / "source" / f"prior-{self.transfer.task}")
+        return load_prior(self.skills["source"].prior(self.transfer.task))
 
     def source_vae(self) -> SkillVAE:
-        return load_vae(self.skills / "source" / "vae")
+        return load_vae(self.skills["source"].vae())
 
     def target_vae(self) -> SkillVAE:
-        return load_vae(self.skills / "target" / "vae")
+        return load_vae(self.skills["target"].vae())
 
     def generator(self) -> Generator:
         """phi: G into the target's latent space."""

@@ -13,8 +13,9 @@ from lfr.data.windows import WindowBatch
 from lfr.embodiments import embodiment
 from lfr.errors import LfrError
 from lfr.scenarios import Scenario, check_visible, transfers_of
-from lfr.skills.artifacts import Seen, load_prior, load_seen, load_vae, save_vae
+from lfr.skills.artifacts import load_prior, load_seen, load_vae
 from lfr.skills.demonstrations import Demonstrations
+from lfr.skills.library import RoleModels, transfer_models
 from lfr.skills.params import PriorParams, SkillsParams, VAEParams
 from lfr.skills.symmetry import SymmetryParams
 from lfr.skills.vae import SkillVAE
@@ -23,6 +24,7 @@ from studies.ablations import any_task, shared_vae
 from studies.ablations.any_task import AnyTaskJob, fit_any_task
 from studies.ablations.other_task import load_other_task
 from studies.ablations.shared_vae import SharedJob, fit_shared
+from tests.skills.made_up import save_models
 
 SCENARIO = Scenario("s1", ("pick_place", "nut_assembly"), {"panda": "lift", "sawyer": "stack"})
 TRANSFER = transfers_of(SCENARIO)[0]  # lift from sawyer to panda
@@ -38,6 +40,10 @@ def made_up(robot: str, task: str) -> Demonstrations:
     name = f"{robot}-{task}"
     states = batch.observations
     return Demonstrations(name, f"of {name}", names, actions, batch, batch, states, states)
+
+
+def target(root: Path) -> RoleModels:
+    return transfer_models(SCENARIO, TRANSFER, root)["target"]
 
 
 @pytest.fixture
@@ -75,10 +81,8 @@ def test_the_shared_vae_sees_no_new_task_of_the_target(
 def test_what_is_hidden_is_refused_before_anything_is_read(tmp_path: Path) -> None:
     """A transfer that claims the new task to be common does not get past the rule."""
     claimed = replace(TRANSFER, common=(*TRANSFER.common, "lift"))
-    job = AnyTaskJob(SCENARIO, claimed, PRIOR, 0.1, 0, str(tmp_path), str(tmp_path))
-    save_vae(
-        tmp_path / "target" / "vae", SkillVAE(4, 7, 3, 8), Seen("s1", "p", "target", (), {}, 0)
-    )
+    job = AnyTaskJob(SCENARIO, claimed, PRIOR, 0.1, 0, target(tmp_path), str(tmp_path))
+    save_models(target(tmp_path), SkillVAE(4, 7, 3, 8), {})
     with pytest.raises(LfrError, match=r"'lift' by panda are hidden"):
         fit_any_task(job)
 
@@ -86,9 +90,9 @@ def test_what_is_hidden_is_refused_before_anything_is_read(tmp_path: Path) -> No
 def test_the_prior_of_any_task_sees_the_targets_common_tasks(
     read: list[tuple[str, str, str]], tmp_path: Path
 ) -> None:
-    skills = tmp_path / "skills"
-    save_vae(skills / "target" / "vae", SkillVAE(4, 7, 3, 8), Seen("s1", "p", "target", (), {}, 0))
-    fit_any_task(AnyTaskJob(SCENARIO, TRANSFER, PRIOR, 0.1, 0, str(skills), str(tmp_path)))
+    skills = target(tmp_path / "skills")
+    save_models(skills, SkillVAE(4, 7, 3, 8), {})
+    fit_any_task(AnyTaskJob(SCENARIO, TRANSFER, PRIOR, 0.1, 0, skills, str(tmp_path)))
     assert read == [("target", "panda", "pick_place"), ("target", "panda", "nut_assembly")]
     prior = load_other_task(tmp_path / "prior")
     assert prior.layout_names == task_named("lift").observation.names

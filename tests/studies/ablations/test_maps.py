@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,7 @@ from lfr.mapping.generator import Generator
 from lfr.mapping.models import Material, mapping_job
 from lfr.mapping.training import ActionWindows, CommonTask, MappingParams, paired, train_mapping
 from lfr.scenarios import Scenario, transfers_of
+from lfr.skills.library import transfer_models
 from lfr.skills.prior import SkillPrior
 from lfr.skills.symmetry import SymmetryParams
 from lfr.skills.vae import SkillVAE
@@ -103,7 +105,9 @@ def test_constant_ignores_its_input() -> None:
 def test_a_closed_form_map_is_saved_as_a_generator(tmp_path: Path) -> None:
     k_x = drawn(100, 2 * Z, seed=3)
     g = linear(k_x, 2.0 * k_x)
-    save_generator(tmp_path / "g", g, MappingSeen("t", "a", "b", ("lift",), {}, 0))
+    save_generator(
+        tmp_path / "g", g, MappingSeen("t", "a", "b", ("a/lift", "b/lift"), ("lift",), {}, 0)
+    )
     loaded = load_generator(tmp_path / "g")
     assert torch.equal(loaded.translate(k_x), g.translate(k_x))
 
@@ -142,8 +146,9 @@ def test_unrelated_answers_are_those_that_others_got() -> None:
 
 def jobs(folder: Path) -> dict[str, MapJob]:
     (transfer, _) = transfers_of(SCENARIO)
-    own = mapping_job(SCENARIO, transfer, STILL, 0.1, 0, folder / "skills", folder / "mapping")
-    return map_jobs(own, folder / "other", folder / "variants")
+    skills, other = (transfer_models(SCENARIO, transfer, folder / name) for name in ("a", "b"))
+    own = mapping_job(SCENARIO, transfer, STILL, 0.1, 0, skills, folder / "mapping")
+    return map_jobs(own, other["source"], folder / "variants")
 
 
 def test_what_each_job_changes(tmp_path: Path) -> None:
@@ -157,7 +162,10 @@ def test_what_each_job_changes(tmp_path: Path) -> None:
     assert made["no_cycle"].mapping.params.cycle_weight == 0.0
     changed = {name for name, job in made.items() if job.mapping.params != STILL}
     assert changed == {"no_cycle", "untrained"}
-    assert made["between_seeds"].other_skills == str(tmp_path / "other")
+    between = made["between_seeds"]
+    assert between.other_skills == replace(
+        between.mapping.skills["source"], root=str(tmp_path / "b")
+    )
 
 
 def test_untrained_keeps_the_scales_and_no_cycle_the_pairs(

@@ -25,7 +25,7 @@ from studies.ablations.other_task import (
 )
 
 Z = 3
-SEEN = Seen("s1", "panda", "source", ("lift",), {}, 0)
+SEEN = Seen("panda", ("lift",), {}, 0)
 # By hand from lfr.tasks: new task -> what a prior of the first task finds there (group -> group).
 CUBE_IN_CAN = {"cube_pos": "can_pos", "cube_up": "can_up", "eef_to_cube": "eef_to_can"}
 NUT_IN_STACK = {

@@ -59,7 +59,7 @@ def test_it_sees_the_training_episodes_of_one_dataset(
     training, _ = recorded.split(0.25, 0)
     assert torch.equal(told["training"].observations, training.observations)
     seen = load_seen(Path(one.folder))
-    assert (seen.robot, seen.role, seen.tasks) == ("sawyer", "source", ("lift",))
+    assert (seen.robot, seen.tasks) == ("sawyer", ("lift",))
     assert list(seen.datasets) == list(found["datasets"]) == ["sawyer-lift"]
     assert found["updates"] == SMALL.updates
     assert read_json(Path(one.folder) / "config.json")["model"]["horizon"] == SMALL.horizon

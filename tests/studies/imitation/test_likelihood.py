@@ -58,7 +58,7 @@ def test_held_out_likelihood_is_a_mean_over_sequences_and_steps() -> None:
 
 def test_saved_and_loaded_it_acts_alike_and_says_what_it_saw(tmp_path: Path) -> None:
     policy = train_bc(demonstrations((8, 5)), SMALL, seed=0)
-    seen = Seen("s1", "sawyer", "source", ("lift",), {"sawyer-lift": "ab"}, 7)
+    seen = Seen("sawyer", ("lift",), {"sawyer-lift": "ab"}, 7)
     save_policy(tmp_path / "policy", policy, seen)
     loaded = load_policy(tmp_path / "policy", NAMES)
     assert load_seen(tmp_path / "policy") == seen

@@ -1,0 +1,71 @@
+"""Skills, mapping and transfer between arms whose actions are different things, end to end."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from benchmarks._datasets import Size, write_dataset
+from lfr.artifacts import read_json
+from lfr.evaluation.records import chain_records
+from lfr.params import read_yaml
+from lfr.program import run_stage
+from lfr.skills.artifacts import load_seen
+from pipeline import evaluate, mapping, skills, transfer
+from tests.tiny_project import ROOT
+
+PARAMS = """
+robots: [{source}, {target}]
+tasks: [lift, pick_place]
+scenarios:
+  j: {{common: [pick_place], new: {{{target}: lift}}, arms: [{source}, {target}]}}
+transfers: [{name}]
+methods: [lfr]
+evaluate: {{episodes: 1, judges: [engine]}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("source", "target"),
+    [("panda-joint_position", "sawyer-joint_position"), ("panda", "ur5e-joint_position")],
+)
+def test_a_transfer_runs_without_the_links_that_carry_the_sources_actions_over(
+    source: str, target: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any
+) -> None:
+    """Other joints, as many; and another controller with other numbers of dimensions."""
+    name = f"j-{target}-lift"
+    tiny = read_yaml(ROOT / "tests" / "tiny_params.yaml")
+    sizes = {key: tiny[key] for key in ("seeds", "skills", "mapping", "transfer")}
+    (tmp_path / "params.yaml").write_text(
+        PARAMS.format(source=source, target=target, name=name)
+        + "".join(f"{key}: {value}\n" for key, value in sizes.items())
+    )
+    for robot in (source, target):
+        for task in ("lift", "pick_place"):
+            path = tmp_path / "data/lerobot" / f"{robot}-{task}"
+            write_dataset(path, Size(3, 30, 40), robot=robot, task_name=task)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("RAY_ADDRESS", raising=False)
+    monkeypatch.setattr("os.cpu_count", lambda: 1)
+
+    for robot in (source, target):
+        assert run_stage(skills.main, ["--robot", robot]) == 0
+    assert run_stage(mapping.main, ["--transfer", name]) == 0
+    learned = ["--transfer", name, "--method", "lfr"]
+    assert run_stage(transfer.main, learned) == 0
+    assert run_stage(evaluate.main, learned) == 0
+
+    chain = chain_records([name])[name]
+    assert (chain["source"], chain["target"]) == (source, target)
+    assert tuple(chain["zero_shot"]) == ("own_arm", "mapped", "oracle")
+    found = read_json(Path("results/mapping") / f"{name}.json")
+    assert all(not one["decoded_difference"] for one in found["common"].values())
+    seen = [load_seen(Path("models/skills") / robot / "lift+pick_place/vae")
+            for robot in (source, target)]  # fmt: skip
+    assert seen[0].actions != seen[1].actions
+
+    capsys.readouterr()
+    assert run_stage(transfer.main, [*learned[:3], "ap"]) == 2
+    assert f"ap: {target} cannot carry out the actions of {source}" in capsys.readouterr().err
