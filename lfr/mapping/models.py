@@ -12,6 +12,7 @@ import torch
 from torch import Tensor
 
 from lfr.artifacts import fingerprint
+from lfr.embodiments import embodiment
 from lfr.external import ExternalArm
 from lfr.mapping.artifacts import MappingSeen, save_generator
 from lfr.mapping.report import common_report, decoded_difference, new_task_report
@@ -22,7 +23,7 @@ from lfr.skills.demonstrations import DATASETS, Demonstrations, balanced, read_v
 from lfr.skills.library import RoleModels
 from lfr.skills.prior import SkillPrior
 from lfr.skills.rows import thinned
-from lfr.skills.symmetry import AS_RECORDED
+from lfr.skills.symmetry import AS_RECORDED, suited
 
 
 @dataclass(frozen=True)
@@ -62,8 +63,8 @@ def mapping_job(
 ) -> MappingJob:
     """The job that trains ``folder/{g,f}`` on these arms' demonstrations."""
     return MappingJob(
-        scenario, transfer, _suited(params, arms), held_out, seed, dict(skills), str(folder),
-        str(datasets), dict(arms),
+        scenario, transfer, _suited(params, transfer, arms), held_out, seed, dict(skills),
+        str(folder), str(datasets), dict(arms),
     )  # fmt: skip
 
 
@@ -186,8 +187,14 @@ def _read(
     )  # fmt: skip
 
 
-def _suited(params: MappingParams, arms: Mapping[str, ExternalArm]) -> MappingParams:
-    """Without moved scenes and shared windows where it is not known what they mean to an arm."""
-    if all(arm.cartesian for arm in arms.values()):
-        return params
-    return replace(params, symmetry=AS_RECORDED, posterior_share=0.0)
+def _suited(
+    params: MappingParams, transfer: Transfer, arms: Mapping[str, ExternalArm]
+) -> MappingParams:
+    """Scenes moved as both arms' actions allow, and no shared windows of what is not known."""
+    if not all(arm.cartesian for arm in arms.values()):
+        return replace(params, symmetry=AS_RECORDED, posterior_share=0.0)
+    symmetry = params.symmetry
+    for robot in (transfer.source, transfer.target):
+        if robot not in arms:
+            symmetry = suited(symmetry, embodiment(robot).action.names)
+    return replace(params, symmetry=symmetry)

@@ -37,7 +37,8 @@ def visual_model(embodiment: str, task: str) -> Any:
     placed = environment.sim.model._model
     for i in range(1, model.nbody):  # a reset places the pictures of the target objects
         body = placed.body(model.body(i).name)
-        model.body_pos[i], model.body_quat[i] = body.pos, body.quat
+        if body.name.startswith("Visual"):
+            model.body_pos[i], model.body_quat[i] = body.pos, body.quat
     return model
 
 

@@ -218,27 +218,29 @@ def _build(robot: str, task: str, folder: Path) -> None:
     import mujoco
     import rerun as rr
 
-    import lfr.robots
     import lfr.tasks
+    from lfr.embodiments import embodiment
     from lfr.sim.scene import pruned_spec
-    from lfr.sim.stock import make_stock_environment
+    from lfr.sim.stock import make_stock_environment, repaired_xml
 
+    arm, chosen = embodiment(robot).robot, lfr.tasks.task(task)
     environment = make_stock_environment(robot, task, hard_reset=True)
     environment.reset()
-    model, data = environment.sim.model._model, environment.sim.data._data
+    xml = repaired_xml(environment, arm)
+    model = mujoco.MjModel.from_xml_string(xml)
+    data = mujoco.MjData(model)
+    data.qpos[:] = environment.sim.data.qpos
     mujoco.mj_kinematics(model, data)
-    unused = lfr.tasks.task(task).unused_objects
     # PickPlace also marks, half transparent, where each of its objects belongs.
-    bodies = visible_bodies(model, data, hidden={*unused, *(f"Visual{name}" for name in unused)})
+    marks = {f"Visual{name}" for name in chosen.unused_objects}
+    bodies = visible_bodies(model, data, hidden={*chosen.unused_objects, *marks})
     with rr.RecordingStream(APPLICATION, recording_id="scene", send_properties=False) as recording:
         recording.save(folder / SCENE)
         log_bodies(recording, bodies)
         recording.flush()
         recording.disconnect()
 
-    xml = environment.edit_model_xml(environment.model.get_xml())
-    pruned = pruned_spec(xml, lfr.robots.robot(robot), lfr.tasks.task(task))
-    mujoco.mj_saveModel(pruned.compile(), str(folder / MODEL))
+    mujoco.mj_saveModel(pruned_spec(xml, arm, chosen).compile(), str(folder / MODEL))
 
 
 def _cache() -> Path:
