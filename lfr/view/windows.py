@@ -128,11 +128,14 @@ def load_skill_models(mapping: Path, task: str, skills: Path | None = None) -> S
         known = sorted(p.name.removeprefix("prior-") for p in source.path.glob("prior-*"))
         raise LfrError(f"{mapping}: no prior of {task!r}; the source's are of: {', '.join(known)}")
     folders: dict[Arm, SkillFolder] = {"source": source, "target": target}
-    seen_by = {arm: load_seen(folder.vae).actions for arm, folder in folders.items()}
+    actions: dict[Arm, tuple[str, ...]] = {}
+    for arm, folder in folders.items():
+        said = load_seen(folder.vae).actions
+        actions[arm] = said.names if said else ()
     return SkillModels(
         name=seen.transfer,
         robots={"source": seen.source, "target": seen.target},
-        actions={arm: one.names if one else () for arm, one in seen_by.items()},
+        actions=actions,
         vaes={arm: load_vae(folder.vae) for arm, folder in folders.items()},
         source_prior=load_prior(prior),
         target_prior=load_prior(own) if own.is_dir() else None,
