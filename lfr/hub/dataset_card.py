@@ -9,6 +9,7 @@ from lfr.data.tables import VERSION
 from lfr.embodiments import embodiment, is_known
 from lfr.hub.dataset_columns import dimension_tables, feature_table
 from lfr.hub.dataset_facts import Column, DatasetFacts, Making
+from lfr.hub.departures import departures
 from lfr.hub.markdown import card, python, shell, table
 from lfr.seeds import FIRST, PER_USE, use_of_seed
 from lfr.tasks import TASKS
@@ -222,12 +223,7 @@ def _limits(facts: DatasetFacts, making: Making | None) -> str:
             "from its log.",
         ]
     arm = embodiment(facts.robot).robot if _ours(facts, making) else None
-    for first, second in arm.excluded_contacts if arm else ():
-        lines.append(
-            f"The contact between `{first}` and `{second}` is switched off. In stock robosuite "
-            "the two start in contact, and the friction holds the first joint against the "
-            "controller; numbers from there are not comparable."
-        )
+    lines += departures(arm) if arm else []
     if making and facts.cameras:
         lines.append("Pictures are small and meant for people; no model of lfr has seen them.")
     if facts.robot and len(facts.instructions) == 1:

@@ -8,6 +8,7 @@ from huggingface_hub import EvalResult, ModelCardData
 
 from lfr.embodiments import DEFAULT_CONTROLLER, embodiment, is_known
 from lfr.hub.dataset_card import LICENSE
+from lfr.hub.departures import departures
 from lfr.hub.markdown import card, python, shell, table
 from lfr.hub.model_facts import ModelFacts, Part
 from lfr.tasks import TASKS
@@ -245,9 +246,5 @@ def _limits(facts: ModelFacts) -> str:
     ]
     arms = {arm.name: arm for arm in (embodiment(robot).robot for robot in _arms(facts))}
     for arm in arms.values():
-        lines += [
-            f"{arm.stock_name}'s contact between `{first}` and `{second}` is switched off; "
-            "numbers from stock robosuite are not comparable."
-            for first, second in arm.excluded_contacts
-        ]
+        lines += departures(arm)
     return "\n".join(f"- {line}" for line in lines)

@@ -76,6 +76,10 @@ def _parallel_jaw(
     settings = (("damping", "0.1"), ("armature", "0.001"))
     limits = (("forcelimited", "true"), ("forcerange", f"-{force:g} {force:g}"))
     return Repair(
+        why=(
+            "The links of its Robotiq gripper are not coupled and run into each other; they follow "
+            "the outer one, so that the pads stay parallel.",
+        ),
         excluded_contacts=excluded,
         couplings=tuple(couplings),
         dropped_tendons=("_cpl",),
@@ -125,8 +129,13 @@ XARM7_GRIPPER = Gripper(
     right_pads=_named("right_finger_pad_1", "right_finger_pad_2"),
     close_signs=(1.0,),
     stock_knows_pads=False,  # it asks for geoms that its model lacks: nothing is ever grasped
-    # robosuite's grip site is turned: its y axis is the closing axis.
-    repair=Repair(attributes=(("site", f"{_G}grip_site", "quat", _QUARTER_TURN),))
+    repair=Repair(
+        why=(
+            "Its gripper's grip site is turned by 90 degrees; its x axis is made the closing axis.",
+            "The grasp check asks for pads that the model lacks; it is given those that there are.",
+        ),
+        attributes=(("site", f"{_G}grip_site", "quat", _QUARTER_TURN),),
+    )
     + _grip_site(0.016),
 )
 
@@ -143,10 +152,13 @@ JACO_HAND = Gripper(
     right_pads=_named("thumb_pad_collision"),
     close_signs=(-1.0, -1.0, -1.0),
     stock_speed=0.01,  # 200 control steps from open to closed
-    # Its fingers have no inertia of their own, and a tendon is pulled to a length that it cannot
-    # reach: a contact throws the can 20 m away. The distal joints follow the proximal ones, as the
-    # free hand's do, the thumb stands opposite the other two, and these together push as it does.
     repair=Repair(
+        why=(
+            "The hand takes 200 control steps to close; it takes ten.",
+            "Its fingers have no inertia and are pulled to a length that they cannot reach, so that "
+            "a contact throws a can 20 m away; the outer joints follow the inner ones, the thumb "
+            "stands opposite the other two, and these together push as it does.",
+        ),
         couplings=tuple(
             Coupling(f"{_G}joint_{f}_distal", f"{_G}joint_{f}", 1.0, 1.0) for f in _JACO_FINGERS
         ),

@@ -14,6 +14,11 @@ IIWA = Robot(
         *("robot0_link_5", "robot0_link_6", "robot0_link_7"),
         "robot0_right_hand",
     ),
-    # robosuite has it on link 1: the axes of Cartesian actions would turn with the arm.
-    repair=Repair(sites_in_base=("robot0_right_center",)),
+    repair=Repair(
+        why=(
+            "The site that gives Cartesian actions their axes is on its first link and turns with "
+            "it; it is moved to the base.",
+        ),
+        sites_in_base=("robot0_right_center",),
+    ),
 )

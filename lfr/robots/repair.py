@@ -29,6 +29,7 @@ class Repair:
     """Changes to an MJCF, by the names that robosuite gives its elements.
 
     Attributes:
+        why: what is broken, and what is done about it: a sentence each, for cards.
         excluded_contacts: pairs of bodies whose contact is switched off.
         couplings: joints that follow others.
         dropped_tendons: ends of the names of tendons that are taken out, with what equates them.
@@ -37,6 +38,7 @@ class Repair:
         shifts: (tag, name, m) by which a position is moved, in the frame that it is given in.
     """
 
+    why: tuple[str, ...] = ()
     excluded_contacts: tuple[tuple[str, str], ...] = ()
     couplings: tuple[Coupling, ...] = ()
     dropped_tendons: tuple[str, ...] = ()
@@ -46,6 +48,7 @@ class Repair:
 
     def __add__(self, other: Repair) -> Repair:
         return Repair(
+            self.why + other.why,
             self.excluded_contacts + other.excluded_contacts,
             self.couplings + other.couplings,
             self.dropped_tendons + other.dropped_tendons,
@@ -82,7 +85,10 @@ class Repair:
         return ET.tostring(root, encoding="unicode")
 
 
-NEARER = Repair(shifts=(("body", "robot0_base", (0.1, 0.0, 0.0)),))
+NEARER = Repair(
+    why=("The base stands 10 cm nearer, since the bin and the peg are out of its reach.",),
+    shifts=(("body", "robot0_base", (0.1, 0.0, 0.0)),),
+)
 """For arms whose reach, from where robosuite puts every base, ends before the bin and the peg."""
 
 

@@ -76,6 +76,11 @@ class Robot:
         """The joints without robosuite's prefix."""
         return tuple(joint.removeprefix("robot0_") for joint in self.joints)
 
+    @property
+    def repairs(self) -> Repair:
+        """Of the arm and of its gripper."""
+        return self.repair + self.gripper.repair
+
     def repaired(self, xml: str) -> str:
         """robosuite's MJCF of this arm with its gripper, mended."""
-        return (self.repair + self.gripper.repair).applied(xml)
+        return self.repairs.applied(xml)

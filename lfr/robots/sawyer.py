@@ -14,7 +14,11 @@ SAWYER = Robot(
         *("robot0_right_l4", "robot0_right_l5", "robot0_right_l6"),
         "robot0_right_hand",
     ),
-    # Its `link0` starts in contact with its own base, and the friction holds joint 0 against the
-    # torques that the controller asks of it.
-    repair=Repair(excluded_contacts=(("robot0_right_arm_base_link", "robot0_right_l0"),)),
+    repair=Repair(
+        why=(
+            "Its first link starts in contact with its own base, and the friction holds the first "
+            "joint against the controller; the contact is switched off.",
+        ),
+        excluded_contacts=(("robot0_right_arm_base_link", "robot0_right_l0"),),
+    ),
 )

@@ -14,9 +14,13 @@ XARM7 = Robot(
     joint_scale=(0.09, 0.09, 0.09, 0.09, 0.22, 0.17, 0.40),
     distal_bodies=("robot0_link5", "robot0_link6", "robot0_link7", "robot0_right_hand"),
     repair=Repair(
-        # robosuite has it on link 1: the axes of Cartesian actions would turn with the arm.
+        why=(
+            "The site that gives Cartesian actions their axes is on its first link and turns with "
+            "it; it is moved to the base.",
+            "Its joints have ten times the friction of other arms, and small motions stall; it is "
+            "theirs.",
+        ),
         sites_in_base=("robot0_right_center",),
-        # Ten times the other arms': the hand stalls where a motion is small.
         attributes=tuple(("joint", joint, "frictionloss", "0.1") for joint in _JOINTS),
     )
     + NEARER,

@@ -49,6 +49,15 @@ def test_an_entry_reads_the_dataset_as_it_stands(
     np.testing.assert_allclose(scaled, (every.min(0), every.max(0)), rtol=2e-3, atol=1e-6)
 
 
+def test_names_that_say_nothing_are_given_ones_that_say_so(
+    datasets: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    numbers = ", ".join(f'"number.state.{place}"' for place in range(4))
+    assert f"names: [{numbers}]" in printed(datasets / "puck-push", capsys)
+    entry = printed(datasets / "crane", capsys)
+    assert 'names: ["number.y_mm", "number.x_mm", "joint"]' in entry
+
+
 def test_another_name_and_a_wrong_action(
     datasets: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -175,7 +175,6 @@ def test_what_an_action_of_1_asks_of_each_joint() -> None:
     units = {names: unit for names, unit, *_ in rows(body.action)}
     scale = zip(body.action.names, body.action_scale, strict=False)
     assert units == {**{f"`{name}`": f"{value:g} rad" for name, value in scale}, "`gripper`": ""}
-    assert units["`dq.joint1`"] == "0.08 rad"
 
 
 def test_symmetries_are_those_of_the_documents() -> None:
