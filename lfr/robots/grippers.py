@@ -111,6 +111,7 @@ ROBOTIQ_140 = Gripper(
     left_pads=_named("left_fingerpad_collision"),
     right_pads=_named("right_fingerpad_collision"),
     close_signs=(1.0, -1.0),
+    pad_axis=2,
     repair=_parallel_jaw((1, -1), (-1, 1), force=2.0) + _grip_site(0.010),
 )
 
@@ -155,9 +156,9 @@ JACO_HAND = Gripper(
     repair=Repair(
         why=(
             "The hand takes 200 control steps to close; it takes ten.",
-            "Its fingers have no inertia and are pulled to a length that they cannot reach, so that "
-            "a contact throws a can 20 m away; the outer joints follow the inner ones, the thumb "
-            "stands opposite the other two, and these together push as it does.",
+            "Its fingers have no inertia and are pulled to a length that they cannot reach, so "
+            "that a contact throws a can 20 m away; the outer joints follow the inner ones, the "
+            "thumb stands opposite the other two, and these together push as it does.",
         ),
         couplings=tuple(
             Coupling(f"{_G}joint_{f}_distal", f"{_G}joint_{f}", 1.0, 1.0) for f in _JACO_FINGERS

@@ -22,6 +22,7 @@ class Gripper:
         closed: the same with the hand closed on nothing.
         left_pads: collision geoms of one finger's pad, or of the pads on one side.
         right_pads: the same for the other side.
+        pad_axis: of a pad's box, the axis that is its thickness.
         close_signs: sign of each actuator, in actuator order, that closes the hand.
         speed: of the command that is integrated, per control step; full travel is 2.
         stock_speed: robosuite's own, where it is another.
@@ -40,6 +41,7 @@ class Gripper:
     speed: float = 0.2
     stock_speed: float = 0.2
     stock_knows_pads: bool = True
+    pad_axis: int = 1
     repair: Repair = field(default_factory=Repair)
     grip_site: str = "gripper0_right_grip_site"
 

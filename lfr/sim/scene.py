@@ -20,7 +20,8 @@ from lfr.compiled.arrays import SceneArrays
 from lfr.controllers import CONTROLLERS
 from lfr.embodiments import Embodiment, embodiment
 from lfr.errors import LfrError
-from lfr.robots import Gripper, Robot
+from lfr.robots import Robot
+from lfr.sim.pads import pad_depth, pad_geoms
 from lfr.sim.placement import start_arrays
 from lfr.sim.start import StartArrays
 from lfr.sim.stock import make_stock_environment, repaired_xml
@@ -136,8 +137,8 @@ def _arrays(environment: Any, model: mujoco.MjModel, body: Embodiment, task: Tas
         grip_site=model.site(gripper.grip_site).id,
         objects=np.array([*bodies, -1][:2]),
         geom_kind=_geom_kinds(model, robot, bodies),
-        pad_geoms=_pad_geoms(model, gripper),
-        pad_depth=_pad_depth(model, gripper),
+        pad_geoms=pad_geoms(model, gripper),
+        pad_depth=pad_depth(model, gripper),
         ctrl_range=np.ascontiguousarray(model.actuator_ctrlrange),
         close_signs=np.array(gripper.close_signs),
         finger_speed=gripper.speed,
@@ -158,20 +159,6 @@ def _place_id(model: mujoco.MjModel, place: Place) -> int:
     if place.kind == "point":
         return -1
     return (model.body if place.kind == "body" else model.site)(place.name).id
-
-
-def _pad_geoms(model: mujoco.MjModel, gripper: Gripper) -> NDArray[np.int64]:
-    sides = (gripper.left_pads, gripper.right_pads)
-    geoms = np.full((2, max(map(len, sides))), -1, dtype=np.int64)
-    for side, names in enumerate(sides):
-        geoms[side, : len(names)] = [model.geom(name).id for name in names]
-    return geoms
-
-
-def _pad_depth(model: mujoco.MjModel, gripper: Gripper) -> float:
-    """Half the pads' thickness (m), which is their least extent, of both sides together."""
-    sides = (gripper.left_pads, gripper.right_pads)
-    return float(sum(np.mean([model.geom(n).size.min() for n in names]) for names in sides))
 
 
 def _geom_kinds(model: mujoco.MjModel, robot: Robot, bodies: list[int]) -> NDArray[np.int64]:

@@ -12,6 +12,7 @@ from lfr.compiled import observation
 from lfr.controllers.controller import Configuration
 from lfr.embodiments import embodiment as embodiment_named
 from lfr.robots import Robot
+from lfr.sim.pads import pad_gap
 from lfr.sim.steps import Steps
 from lfr.sim.stock_grippers import mend_gripper
 from lfr.tasks.task import EEF, Place, Term
@@ -223,18 +224,8 @@ class StockSimulation:
     def _state(self) -> NDArray[np.float64]:
         position, rotation = self._eef()
         rot6d = rotation[:, :2].T.ravel()
-        return np.concatenate([position, rot6d, [self._aperture(), self._gripper_command()]])
-
-    def _aperture(self) -> float:
-        gripper = self.robot.gripper
-        closing = self._data.site(gripper.grip_site).xmat.reshape(3, 3)[:, 0]
-        faces = []
-        for names in (gripper.left_pads, gripper.right_pads):
-            along = np.mean([self._data.geom(name).xpos @ closing for name in names])
-            depth = np.mean([self._model.geom(name).size.min() for name in names])
-            faces.append((along, depth))
-        (left, left_depth), (right, right_depth) = faces
-        return float(abs(left - right) - left_depth - right_depth)
+        aperture = pad_gap(self._model, self._data, self.robot.gripper)
+        return np.concatenate([position, rot6d, [aperture, self._gripper_command()]])
 
     def _environment_state(self) -> NDArray[np.float64]:
         return np.concatenate([self._term(term) for term in self.task.terms])

@@ -183,39 +183,37 @@ def _fingers(
 ) -> tuple[list[int], NDArray[np.float64]]:
     """Places (F,) in `qpos` and positions (T, F) of the finger joints that the state tells.
 
-    They are told by the gap between two slides, or by robosuite's own names; F is 0 where the
-    state has neither, or where the fingers are no pair of slides.
+    They are told by the gap between the pads, or by robosuite's own names; F is 0 where the state
+    has neither.
     """
-    import mujoco
-
-    names, joints = _names(episode, STATE), [model.joint(name) for name in gripper.joints]
+    names = _names(episode, STATE)
     there = next((wanted for wanted in FINGERS if set(wanted) <= set(names)), ())
-    slides = [joint.type[0] for joint in joints] == [mujoco.mjtJoint.mjJNT_SLIDE] * 2
-    if not there or not slides:
+    if not there or len(there) not in (1, len(gripper.joints)):
         return [], np.zeros((len(episode), 0))
-    fingers = [int(joint.qposadr[0]) for joint in joints]
+    fingers = [int(model.joint(joint).qposadr[0]) for joint in gripper.joints]
     places = [names.index(name) for name in there]
     found = np.asarray(episode.features[STATE], np.float64)[:, places]
-    if len(there) == 2:
+    if len(there) > 1:
         return fingers, found
-    opening = (
-        found - _gap_at_zero(gripper, model)
-    ) / 2  # opening raises the first, lowers the other
-    return fingers, np.hstack([opening, -opening])
+    return fingers, _fingers_at(found[:, 0], fingers, gripper, model)
 
 
-def _gap_at_zero(gripper: Gripper, model: Any) -> float:
-    """Gap (m) between the inner faces of the pads where the fingers' joints are at 0."""
+def _fingers_at(
+    gaps: NDArray[np.float64], fingers: list[int], gripper: Gripper, model: Any
+) -> NDArray[np.float64]:
+    """Finger joints (T, F), between closed and open, where the pads are ``gaps`` (T,) apart."""
     import mujoco
 
-    data, sides = mujoco.MjData(model), (gripper.left_pads, gripper.right_pads)
-    data.qpos[[model.joint(name).qposadr[0] for name in gripper.joints]] = 0.0
-    mujoco.mj_kinematics(model, data)
-    first, second = (np.mean([data.geom(pad).xpos for pad in pads], axis=0) for pads in sides)
-    # As `lfr.sim.scene` measures it: a pad is thin along the axis on which the hand closes.
-    depth = sum(np.mean([model.geom(pad).size.min() for pad in pads]) for pads in sides)
-    closing = data.site(gripper.grip_site).xmat.reshape(3, 3)[:, 0]
-    return float(abs(closing @ (second - first)) - depth)
+    from lfr.sim.pads import pad_gap
+
+    data = mujoco.MjData(model)
+    shares, known = np.linspace(0.0, 1.0, 33), []
+    closed, opened = np.array(gripper.closed), np.array(gripper.opened)
+    for share in shares:
+        data.qpos[fingers] = closed + share * (opened - closed)
+        mujoco.mj_kinematics(model, data)
+        known.append(pad_gap(model, data, gripper))
+    return closed + np.interp(gaps, known, shares)[:, None] * (opened - closed)
 
 
 def _observes_scene(episode: Episode) -> bool:

@@ -128,10 +128,10 @@ def load_skill_models(mapping: Path, task: str, skills: Path | None = None) -> S
         known = sorted(p.name.removeprefix("prior-") for p in source.path.glob("prior-*"))
         raise LfrError(f"{mapping}: no prior of {task!r}; the source's are of: {', '.join(known)}")
     folders: dict[Arm, SkillFolder] = {"source": source, "target": target}
-    spaces = {arm: load_seen(folder.vae).actions for arm, folder in folders.items()}
-    actions: dict[Arm, tuple[str, ...]] = {
-        arm: one.names if one else () for arm, one in spaces.items()
-    }
+    actions: dict[Arm, tuple[str, ...]] = {}
+    for arm, folder in folders.items():
+        space = load_seen(folder.vae).actions
+        actions[arm] = space.names if space else ()
     return SkillModels(
         name=seen.transfer,
         robots={"source": seen.source, "target": seen.target},
