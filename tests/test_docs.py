@@ -101,7 +101,7 @@ def found(name: str) -> bool:
 
 
 def test_a_name_that_is_not_there_is_noticed() -> None:
-    assert found("lfr.robots.Robot.excluded_contacts")
+    assert found("lfr.robots.Robot.distal_bodies")
     assert found("lfr.sim.scene")
     assert not found("lfr.robots.Robot.colour")
     assert not found("lfr.no_such_room.thing")

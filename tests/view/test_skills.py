@@ -8,7 +8,6 @@ import pytest
 import torch
 
 from lfr.cli import main
-from lfr.columns import ActionSpace
 from lfr.data.episode import ACTION, ENVIRONMENT_STATE, STATE
 from lfr.embodiments import embodiment
 from lfr.errors import DataError, LfrError, UnknownNameError
@@ -20,6 +19,7 @@ from lfr.skills.prior import SkillPrior
 from lfr.skills.vae import SkillVAE
 from lfr.view.skills import carried, divergences
 from lfr.view.windows import Gaussians, load_skill_models, trace_windows
+from tests.skills.made_up import actions_of
 
 from . import rrd
 from .conftest import FRAMES, Recorded
@@ -97,19 +97,19 @@ def test_actions_of_another_kind_are_not_compared(
     """A source that moves its hand, a target that moves its joints: no window of the one decodes
     to what the other could be held to."""
     names = [n for key in (STATE, ENVIRONMENT_STATE) for n in recorded.episode.schema[key].names]
-    folder = tmp_path / "skills" / "s9-sawyer-lift"
-    for role, robot in (("source", "panda"), ("target", "sawyer-joint_position")):
-        action = embodiment(robot).action
-        space = ActionSpace(action.names, (-1.0,) * action.size, (1.0,) * action.size)
-        seen = Seen("s9", robot, role, ("lift",), {}, 0, space)
-        save_vae(folder / role / "vae", SkillVAE(H, action.size, Z, 8), seen)
-        save_prior(folder / role / "prior-lift", SkillPrior(tuple(names), Z, 8, 2), seen)
-    learned = MappingSeen("s9-sawyer-lift", "panda", "sawyer-joint_position", ("lift",), {}, 0)
-    save_generator(tmp_path / "mapping" / folder.name / "g", Generator(Z, 8, 3), learned)
+    folder, robots = tmp_path / "mapping" / "s9-sawyer-lift", ("panda", "sawyer-joint_position")
+    for robot in robots:
+        seen = Seen(robot, ("lift",), {}, 0, actions_of(robot))
+        skills = skill_folder(tmp_path / "skills", robot, ["lift"])
+        save_vae(skills.vae, SkillVAE(H, embodiment(robot).action.size, Z, 8), seen)
+        save_prior(skills.prior("lift"), SkillPrior(tuple(names), Z, 8, 2), seen)
+    spaces = f"{robots[0]}/lift", f"{robots[1]}/lift"
+    learned = MappingSeen("s9-sawyer-lift", *robots, spaces, ("lift",), {}, 0)
+    save_generator(folder / "g", Generator(Z, 8, 3), learned)
     trace = trace_windows(load_skill_models(folder, "lift"), recorded.episode)
     assert set(trace.decoded) == {"window", "source prior"}
     out = tmp_path / "skills.rrd"
-    assert main(["view", str(dataset), "--skills", str(folder), "--save", str(out)]) == 0
+    assert main(["view", str(dataset), "--mapping", str(folder), "--save", str(out)]) == 0
     entities = rrd.read(out)
     assert "/path/prior" in entities
     assert "/path/mapped" not in entities
