@@ -51,6 +51,15 @@ class Embodiment:
         """robosuite's configuration of the controller."""
         return self.controller.stock_config(self.robot)
 
+    def shares_actions(self, other: Embodiment) -> bool:
+        """Whether an action of one is the same thing for the other.
+
+        Motions of the hand are, on any two arms; motions of an arm's own joints are its alone, also
+        where another's joints have the same names.
+        """
+        own = any(quantity.moves == "with the base" for quantity in self.action.quantities)
+        return self.controller == other.controller and (self.robot == other.robot or not own)
+
 
 @cache
 def embodiment(name: str) -> Embodiment:
@@ -83,6 +92,13 @@ def known_action(names: tuple[str, ...], name: str = "") -> Space | None:
     found = [one for one in embodiments() if one.action.names == names]
     found.sort(key=lambda one: one.name != name)
     return found[0].action if found else None
+
+
+def may_share_actions(first: str, second: str) -> bool:
+    """`Embodiment.shares_actions` by name; of an arm that is not simulated nothing is known."""
+    if not (is_known(first) and is_known(second)):
+        return True
+    return embodiment(first).shares_actions(embodiment(second))
 
 
 def embodiments() -> Iterator[Embodiment]:

@@ -12,7 +12,7 @@ import torch
 from torch import Tensor
 
 from lfr.artifacts import fingerprint
-from lfr.embodiments import embodiment
+from lfr.embodiments import embodiment, may_share_actions
 from lfr.external import ExternalArm
 from lfr.mapping.artifacts import MappingSeen, save_generator
 from lfr.mapping.report import common_report, decoded_difference, new_task_report
@@ -135,7 +135,8 @@ def read_material(job: MappingJob, seed: int) -> Material:
     target = _read(job, transfer.target, "target", transfer.common)
     new = source[transfer.task]
     spaces = new.actions, target[transfer.common[0]].actions
-    action_names = spaces[0].names if spaces[0] == spaces[1] else None
+    alike = spaces[0] == spaces[1] and may_share_actions(transfer.source, transfer.target)
+    action_names = spaces[0].names if alike else None
     windows = None
     if job.params.posterior_share and action_names is not None:
         arms = (("source", source), ("target", target))

@@ -8,7 +8,7 @@ from itertools import zip_longest
 from pathlib import Path
 
 from lfr.columns import ActionSpace
-from lfr.embodiments import embodiment
+from lfr.embodiments import embodiment, may_share_actions
 from lfr.errors import DataError
 from lfr.models import ModelKind, load_seen_as
 from lfr.skills.prior import SkillPrior
@@ -101,7 +101,10 @@ def check_actions(folder: Path, robot: str) -> None:
     seen = load_seen(folder)
     found = seen.actions.names if seen.actions else embodiment(seen.robot).action.names
     expected = embodiment(robot).action.names
-    _compare(f"{robot} cannot carry out the actions of {seen.robot}", folder, found, expected)
+    message = f"{robot} cannot carry out the actions of {seen.robot}"
+    _compare(message, folder, found, expected)
+    if not may_share_actions(seen.robot, robot):
+        raise DataError(message, file=folder / "config.json", found=seen.robot, expected=robot)
 
 
 def _compare(message: str, folder: Path, found: Sequence[str], expected: Sequence[str]) -> None:

@@ -12,6 +12,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from lfr.embodiments import may_share_actions
 from lfr.errors import DataError
 from lfr.scenarios import Role, Scenario, Transfer, check_visible, visible_tasks
 from lfr.skills.artifacts import load_seen
@@ -108,8 +109,8 @@ def same_actions(skills: Mapping[Role, RoleModels]) -> bool:
     Raises:
         DataError, LfrError: as `RoleModels.vae`.
     """
-    source, target = (load_seen(skills[role].vae()).actions for role in ("source", "target"))
-    return source == target
+    source, target = (load_seen(skills[role].vae()) for role in ("source", "target"))
+    return source.actions == target.actions and may_share_actions(source.robot, target.robot)
 
 
 def prior_tasks(scenario: Scenario, robot: str, role: Role) -> tuple[str, ...]:

@@ -22,6 +22,7 @@ from lfr.hub import card_command
 from lfr.hub.card_command import everything
 from lfr.hub.dataset_card import dataset_card
 from lfr.hub.dataset_facts import Column, DatasetFacts, read_facts, read_making
+from lfr.hub.departures import departures
 from lfr.hub.dimensions import rows
 from lfr.hub.model_facts import read_models
 from lfr.hub.picture import FRAMES, picture
@@ -151,8 +152,7 @@ def test_a_card_says_what_the_issue_of_cards_asks(name: str) -> None:
     assert use_of_seed(record["seeds"]["last"]) == "demonstration"
     assert f"{record['seeds']['first']} to {record['seeds']['last']}" in text
     assert f"{100 * (1 - record['failures'] / record['attempts']):.1f} %" in text
-    for pair in body.robot.excluded_contacts:
-        assert all(f"`{body}`" in text for body in pair)
+    assert all(line in text for line in departures(body.robot))
     load = re.search(r"## Load\n\n```python\n(.*?)```", text, re.DOTALL)
     assert load
     assert len(load[1].splitlines()) == 3

@@ -33,7 +33,7 @@ class Fastidious:
     """Lifts a cube on the right, and waits otherwise. One action to a skill."""
 
     def __init__(self) -> None:
-        self.expert = Expert("lift", LAYOUT, ExpertParams())
+        self.expert = Expert(task("lift"), LAYOUT, ExpertParams())
 
     def reset(self, seed: int) -> None: ...
 
