@@ -14,7 +14,7 @@ from torch import Tensor, nn
 from lfr.skills.vae import LOG_SIGMA_RANGE
 from lfr.transfer.critic import OBSERVATION_CLIP
 from lfr.transfer.methods.initialization import Initialization
-from lfr.transfer.params import TransferParams
+from lfr.transfer.transfer_params import TransferParams
 
 try:
     from stable_baselines3 import SAC

@@ -20,15 +20,15 @@ import torch
 
 from benchmarks._figures import FOLDER, Figure, Measurement, compare, show, write
 from lfr.mapping.generator import Generator
-from lfr.mapping.training import MappingParams
+from lfr.mapping.mapping_training import MappingParams
 from lfr.params import read_section
-from lfr.skills.params import SkillsParams
 from lfr.skills.prior import SkillPrior
+from lfr.skills.skill_params import SkillsParams
 from lfr.skills.vae import SkillVAE
 from lfr.transfer.learner import Learner
 from lfr.transfer.methods.initialization import Initialization, initialize_from
-from lfr.transfer.params import TransferParams
 from lfr.transfer.replay import Batch, Replay
+from lfr.transfer.transfer_params import TransferParams
 
 OBSERVATION = 30  # of NutAssembly, the widest
 ROWS = 5_000  # in the replay buffers

@@ -27,14 +27,14 @@ from lfr.jobs.memory import own_peak
 from lfr.jobs.order import Order
 from lfr.jobs.pool import run_in_pool
 from lfr.jobs.results import Results
-from lfr.mapping.models import MappingJob, fit_mapping
-from lfr.mapping.training import MappingParams
+from lfr.mapping.mapping_jobs import MappingJob, fit_mapping
+from lfr.mapping.mapping_training import MappingParams
 from lfr.params import read_section
 from lfr.progress import progress
 from lfr.scenarios import Role, Scenario, transfers_of, visible_tasks
 from lfr.skills.library import transfer_models
-from lfr.skills.models import PriorTraining, VAETraining, fit_prior, fit_vae
-from lfr.skills.params import SkillsParams
+from lfr.skills.model_jobs import PriorTraining, VAETraining, fit_prior, fit_vae
+from lfr.skills.skill_params import SkillsParams
 
 GIB = 2**30
 GIB_GOAL = 2.0

@@ -28,7 +28,7 @@ from benchmarks._figures import FOLDER, Figure, Measurement, compare, show, writ
 from lfr.data.episode import ACTION, ENVIRONMENT_STATE, FPS, STATE
 from lfr.data.windows import Windows, read_dataset
 from lfr.params import read_section
-from lfr.skills.params import SkillsParams
+from lfr.skills.skill_params import SkillsParams
 
 if TYPE_CHECKING:
     from lerobot.datasets import LeRobotDataset

@@ -3,7 +3,7 @@
     observation (D,) ─► act ─► actions (n, A), one a control step ─► observation (D,) ─► act ...
 
 A policy by skills answers with the n control steps of its next skill, any other with one. Each room
-that can load one has its `PolicySource`: `lfr.skills.policy`, `lfr.mapping.policy`,
+that can load one has its `PolicySource`: `lfr.skills.skill_policy`, `lfr.mapping.mapped_policy`,
 `lfr.transfer.model`.
 """
 

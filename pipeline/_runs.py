@@ -13,8 +13,8 @@ from lfr.transfer.log import LearningLog
 from lfr.transfer.methods import initialize
 from lfr.transfer.methods.initialization import TrainedModels
 from lfr.transfer.model import save_policy
-from lfr.transfer.params import TransferParams
 from lfr.transfer.train import train
+from lfr.transfer.transfer_params import TransferParams
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ from pathlib import Path
 from lfr.evaluation.chain import chain_trials, train_and_measure
 from lfr.evaluation.protocol import EvaluateParams
 from lfr.external import ExternalArm, external_arms
-from lfr.mapping.models import mapping_job
-from lfr.mapping.training import MappingParams
+from lfr.mapping.mapping_jobs import mapping_job
+from lfr.mapping.mapping_training import MappingParams
 from lfr.params import read_section
 from lfr.program import run_stage
 from lfr.scenarios import Role, Transfer
@@ -16,7 +16,7 @@ from lfr.scenarios import scenario as scenario_named
 from lfr.scenarios import transfer as transfer_named
 from lfr.skills.demonstrations import dataset_of
 from lfr.skills.library import RoleModels
-from lfr.skills.params import SkillsParams
+from lfr.skills.skill_params import SkillsParams
 from pipeline._skills import skills_of
 from pipeline._stage import SeedParams, models_into, rows_of, unfinished_work, write_metrics
 

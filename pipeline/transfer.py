@@ -12,9 +12,9 @@ from lfr.params import read_section
 from lfr.program import run_stage
 from lfr.scenarios import scenario as scenario_named
 from lfr.scenarios import transfer as transfer_named
-from lfr.skills.artifacts import load_seen
+from lfr.skills.saved_models import load_seen
 from lfr.transfer.methods import method as method_named
-from lfr.transfer.params import TransferParams
+from lfr.transfer.transfer_params import TransferParams
 from pipeline._runs import RunJob, learn
 from pipeline._skills import skills_of
 from pipeline._stage import SeedParams, unfinished_work, write_metrics

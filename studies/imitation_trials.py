@@ -10,7 +10,7 @@ from typing import Any
 
 from lfr.evaluation.trials import Trial, run_trial, shards_of, success_rate
 from lfr.jobs import Job, run_jobs
-from lfr.skills.artifacts import check_actions
+from lfr.skills.saved_models import check_actions
 from studies.imitation.cloning import ImitationJob, fit_imitation
 from studies.imitation.recurrent_policy import RecurrentPolicy
 from studies.imitation.saved_policies import load_policy

@@ -7,9 +7,10 @@ from functools import partial
 from pathlib import Path
 
 from lfr.errors import DataError
-from lfr.mapping.artifacts import load_generator
-from lfr.skills.artifacts import load_prior, load_vae
+from lfr.mapping.saved_generators import load_generator
+from lfr.skills.saved_models import load_prior, load_vae
 from lfr.tasks import TASKS
+from lfr.transfer.extended_policy import IdentityMap, StandardNormal
 from lfr.transfer.methods import METHODS, Method
 from lfr.transfer.methods.initialization import (
     Initialization,
@@ -18,8 +19,7 @@ from lfr.transfer.methods.initialization import (
     new_pi,
 )
 from lfr.transfer.network_kinds import register
-from lfr.transfer.params import TransferParams
-from lfr.transfer.policy import IdentityMap, StandardNormal
+from lfr.transfer.transfer_params import TransferParams
 from studies.ablations.other_task import OTHER_TASK, load_other_task
 from studies.ablations.residual_prior import RESIDUAL_PRIOR, residual_prior
 

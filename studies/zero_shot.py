@@ -19,13 +19,13 @@ from pathlib import Path
 
 from lfr.evaluation.chain import chain_trials
 from lfr.evaluation.trials import Trial
-from lfr.mapping.artifacts import load_generator
-from lfr.mapping.policy import MappedFiles
+from lfr.mapping.mapped_policy import MappedFiles
+from lfr.mapping.saved_generators import load_generator
 from lfr.policies import Pinned
 from lfr.scenarios import Role, Transfer
-from lfr.skills.artifacts import check_actions, load_vae
 from lfr.skills.library import RoleModels, same_actions
-from lfr.skills.policy import SkillFiles, SkillPolicy
+from lfr.skills.saved_models import check_actions, load_vae
+from lfr.skills.skill_policy import SkillFiles, SkillPolicy
 from studies.ablations.other_task import load_other_task
 
 PHI = ("linear", "no_cycle", "shuffled", "untrained", "constant")

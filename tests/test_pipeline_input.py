@@ -12,13 +12,13 @@ import pytest
 
 from lfr.demos.recorder import RecordParams
 from lfr.evaluation.protocol import EvaluateParams
-from lfr.mapping.training import MappingParams
+from lfr.mapping.mapping_training import MappingParams
 from lfr.params import read_section, read_yaml
 from lfr.program import run_stage
 from lfr.scenarios import transfers
-from lfr.skills.params import SkillsParams
+from lfr.skills.skill_params import SkillsParams
 from lfr.transfer.methods import METHODS
-from lfr.transfer.params import TransferParams
+from lfr.transfer.transfer_params import TransferParams
 
 from .tiny_project import ROOT
 

@@ -12,7 +12,7 @@ from lfr.artifacts import read_json
 from lfr.evaluation.records import chain_records
 from lfr.params import read_yaml
 from lfr.program import run_stage
-from lfr.skills.artifacts import load_seen
+from lfr.skills.saved_models import load_seen
 from pipeline import evaluate, mapping, skills, transfer
 from tests.tiny_project import ROOT
 

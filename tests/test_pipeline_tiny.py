@@ -11,10 +11,10 @@ import pytest
 from lfr.artifacts import read_json
 from lfr.data.log_reader import list_logs, read_log
 from lfr.evaluation.records import CHAIN
-from lfr.mapping.artifacts import load_mapping_seen
+from lfr.mapping.saved_generators import load_mapping_seen
 from lfr.params import read_yaml
-from lfr.skills.artifacts import load_seen
 from lfr.skills.demonstrations import read_demonstrations
+from lfr.skills.saved_models import load_seen
 
 from . import tiny_project
 

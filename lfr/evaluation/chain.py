@@ -23,12 +23,12 @@ from typing import Any
 
 from lfr.evaluation.trials import Trial, success_rate, trial_jobs
 from lfr.jobs import Job, run_jobs
-from lfr.mapping.models import MappingJob, fit_mapping
-from lfr.mapping.policy import MappedFiles
+from lfr.mapping.mapped_policy import MappedFiles
+from lfr.mapping.mapping_jobs import MappingJob, fit_mapping
 from lfr.policies import PolicySource
 from lfr.scenarios import Role, Transfer
 from lfr.skills.library import RoleModels, same_actions
-from lfr.skills.policy import SkillFiles
+from lfr.skills.skill_policy import SkillFiles
 
 
 def chain_trials(

@@ -8,8 +8,8 @@ from typing import Any
 
 from lfr.evaluation.trials import Trial, success_rate, trial_jobs
 from lfr.jobs import run_jobs
-from lfr.skills.models import ModelJobs, PriorTraining, model_report
-from lfr.skills.policy import SkillFiles
+from lfr.skills.model_jobs import ModelJobs, PriorTraining, model_report
+from lfr.skills.skill_policy import SkillFiles
 
 
 def train_and_measure(
@@ -18,11 +18,11 @@ def train_and_measure(
     """Train the models of a robot, and run every prior on its own arm and task once it is there.
 
     Args:
-        models: as `lfr.skills.models.model_jobs` gives them.
+        models: as `lfr.skills.model_jobs.model_jobs` gives them.
         episodes: held-out starts of each prior; 0 runs none, for arms without a simulator.
 
     Returns:
-        `lfr.skills.models.model_report`, with the success of each prior as ``own_arm``.
+        `lfr.skills.model_jobs.model_report`, with the success of each prior as ``own_arm``.
     """
     priors = list(itertools.chain(*models.values()))
     shards = {

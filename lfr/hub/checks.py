@@ -32,8 +32,8 @@ def refuse_faulty_models(models: Iterable[tuple[Path, str]]) -> None:
     Raises:
         DataError: a kind that nothing loads, a file that is cut off, or tensors that do not fit.
     """
-    from lfr.mapping.artifacts import load_generator
-    from lfr.skills.artifacts import load_prior, load_vae
+    from lfr.mapping.saved_generators import load_generator
+    from lfr.skills.saved_models import load_prior, load_vae
     from lfr.transfer.model import load_policy
 
     loaders = {

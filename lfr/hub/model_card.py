@@ -25,9 +25,9 @@ ABOUT = {
     "`initial` is where learning began, the zero-shot policy.",
 }
 LOAD = {
-    "skill_vae": ("lfr.skills.artifacts", "load_vae", "model"),
-    "skill_prior": ("lfr.skills.artifacts", "load_prior", "model"),
-    "generator": ("lfr.mapping.artifacts", "load_generator", "model"),
+    "skill_vae": ("lfr.skills.saved_models", "load_vae", "model"),
+    "skill_prior": ("lfr.skills.saved_models", "load_prior", "model"),
+    "generator": ("lfr.mapping.saved_generators", "load_generator", "model"),
     "transferred_policy": ("lfr.transfer.model", "load_policy", "actor, about"),
 }
 

@@ -29,7 +29,7 @@ class LfrConfig(PreTrainedConfig):
         robot, task_name: the embodiment and the task that it has learned.
         networks: of each network its class and the arguments of its constructor.
         distribution: what the policy draws its skills from (`lfr.transfer.distribution`).
-        min_sigma: added in quadrature to its sigma (`lfr.transfer.policy.MappedPolicy`).
+        min_sigma: added in quadrature to its sigma (`lfr.transfer.extended_policy.MappedPolicy`).
         about: all else that was saved with it: transfer, method, seed, parameters, provenance.
     """
 

@@ -43,7 +43,7 @@ def export_policy(folder: Path, out: Path) -> tuple[str, str]:
     from lfr.lerobot_plugin.configuration_lfr import LfrConfig, features_of
     from lfr.lerobot_plugin.modeling_lfr import LfrPolicy
     from lfr.lerobot_plugin.processor_lfr import make_lfr_pre_post_processors
-    from lfr.models import read_model
+    from lfr.model_files import read_model
     from lfr.transfer.model import KIND, load_policy
 
     if out.exists():

@@ -15,7 +15,7 @@ from pathlib import Path
 from lfr.embodiments import may_share_actions
 from lfr.errors import DataError
 from lfr.scenarios import Role, Scenario, Transfer, check_visible, visible_tasks
-from lfr.skills.artifacts import load_seen
+from lfr.skills.saved_models import load_seen
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from lfr.transfer.distribution import GAUSSIAN, Distribution
-from lfr.transfer.policy import MappedPolicy
+from lfr.transfer.extended_policy import MappedPolicy
 
 
 class Decoder(Protocol):

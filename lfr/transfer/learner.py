@@ -9,11 +9,11 @@ from torch import Tensor, nn
 
 from lfr.transfer.critic import CriticEnsemble, critic_loss, pessimistic, td_target
 from lfr.transfer.distribution import GAUSSIAN, Distribution, tempered
+from lfr.transfer.extended_policy import MappedPolicy
 from lfr.transfer.optimizer import FlatAdam, flatten_parameters, trainable
-from lfr.transfer.params import TransferParams
-from lfr.transfer.policy import MappedPolicy
 from lfr.transfer.replay import Batch
 from lfr.transfer.temperature import Temperature
+from lfr.transfer.transfer_params import TransferParams
 
 Info = dict[str, Tensor]
 

@@ -28,10 +28,10 @@ from lfr.transfer.learner import Learner
 from lfr.transfer.means import Means
 from lfr.transfer.methods.initialization import Initialization
 from lfr.transfer.observer import CurvePoint, EpisodeRecord, Observer
-from lfr.transfer.params import TransferParams
 from lfr.transfer.replay import Batch, Replay
 from lfr.transfer.rollout import evaluate
 from lfr.transfer.starts import evaluation_starts, learning_start
+from lfr.transfer.transfer_params import TransferParams
 
 
 @dataclass

@@ -8,11 +8,11 @@ from typing import Any
 
 from lfr.artifacts import as_json, save_model
 from lfr.errors import DataError
-from lfr.models import read_model
+from lfr.model_files import read_model
 from lfr.transfer.actor import SkillActor
 from lfr.transfer.distribution import GAUSSIAN, distribution
+from lfr.transfer.extended_policy import MappedPolicy
 from lfr.transfer.network_kinds import network_kind
-from lfr.transfer.policy import MappedPolicy
 
 KIND = "transferred_policy"
 

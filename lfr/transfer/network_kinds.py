@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import Any
 
 from lfr.errors import DataError
-from lfr.mapping.artifacts import GENERATOR
-from lfr.models import ModelKind
-from lfr.skills.artifacts import PRIOR, VAE
+from lfr.mapping.saved_generators import GENERATOR
+from lfr.model_files import ModelKind
+from lfr.skills.saved_models import PRIOR, VAE
 from lfr.transfer.actor import OneAction
-from lfr.transfer.policy import IdentityMap, StandardNormal
+from lfr.transfer.extended_policy import IdentityMap, StandardNormal
 
 _KINDS: dict[str, ModelKind[Any]] = {}
 

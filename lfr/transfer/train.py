@@ -12,7 +12,7 @@ from lfr.transfer.loop import TransferLoop
 from lfr.transfer.methods.initialization import Initialization
 from lfr.transfer.model import save_policy
 from lfr.transfer.observer import Observer
-from lfr.transfer.params import TransferParams
+from lfr.transfer.transfer_params import TransferParams
 
 
 class Reported(Observer):

@@ -64,7 +64,7 @@ def save_attempt(policy: Path, out: Path, start: int, note: str | None = None) -
     """
     from lfr.sim.simulation import simulation
     from lfr.transfer.model import load_policy
-    from lfr.view.policy import save_policy_episode
+    from lfr.view.policy_episode import save_policy_episode
     from lfr.view.rollout import roll_out_policy
 
     actor, about = load_policy(policy)

@@ -1,4 +1,4 @@
-"""A policy's episode as it happens, with what it thought at every skill, for `lfr.view.policy`."""
+"""A policy's episode as it happens, with what it thought at every skill."""
 
 from __future__ import annotations
 

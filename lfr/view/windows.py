@@ -114,8 +114,8 @@ def load_skill_models(mapping: Path, task: str, skills: Path | None = None) -> S
         DataError: a model is missing or damaged.
         LfrError: the source has no prior of the task.
     """
-    from lfr.mapping.artifacts import load_generator, load_mapping_seen
-    from lfr.skills.artifacts import load_prior, load_seen, load_vae
+    from lfr.mapping.saved_generators import load_generator, load_mapping_seen
+    from lfr.skills.saved_models import load_prior, load_seen, load_vae
 
     if not (mapping / "g").is_dir():
         raise DataError("no mapping", file=mapping, expected="models/mapping/<transfer>")

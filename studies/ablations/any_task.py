@@ -15,11 +15,11 @@ from torch import Tensor
 
 from lfr.artifacts import fingerprint
 from lfr.scenarios import Scenario, Transfer
-from lfr.skills.artifacts import Seen, load_vae
 from lfr.skills.demonstrations import DATASETS, balanced, read_visible
 from lfr.skills.library import RoleModels
-from lfr.skills.params import PriorParams
-from lfr.skills.training import train_prior
+from lfr.skills.saved_models import Seen, load_vae
+from lfr.skills.skill_params import PriorParams
+from lfr.skills.skill_training import train_prior
 from lfr.spaces import ROBOT_STATE, axis, displacement, position
 from lfr.tasks import Task
 from lfr.tasks import task as task_named

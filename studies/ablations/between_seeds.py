@@ -10,20 +10,20 @@ from pathlib import Path
 
 import torch
 
-from lfr.mapping.models import MappingJob, Material
-from lfr.mapping.training import ActionWindows, CommonTask
-from lfr.skills.artifacts import load_prior, load_vae
+from lfr.mapping.mapping_jobs import MappingJob, Material
+from lfr.mapping.mapping_training import ActionWindows, CommonTask
 from lfr.skills.demonstrations import balanced, read_visible
 from lfr.skills.library import RoleModels
 from lfr.skills.prior import SkillPrior
 from lfr.skills.rows import thinned
+from lfr.skills.saved_models import load_prior, load_vae
 from lfr.skills.vae import SkillVAE
 
 
 def material_between(
     job: MappingJob, other: RoleModels, seed: int
 ) -> tuple[Material, tuple[SkillVAE, SkillVAE]]:
-    """What `lfr.mapping.models.read_material` gives, the source arm being both arms.
+    """What `lfr.mapping.mapping_jobs.read_material` gives, the source arm being both arms.
 
     Args:
         job: names the first repetition; its split of the demonstrations is used. The other's models

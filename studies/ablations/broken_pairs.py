@@ -9,7 +9,7 @@ import torch
 from torch import Tensor
 
 from lfr.mapping.generator import Generator
-from lfr.mapping.training import ActionWindows, CommonTask, MappingParams, train_mapping
+from lfr.mapping.mapping_training import ActionWindows, CommonTask, MappingParams, train_mapping
 from lfr.skills.prior import SkillPrior
 from lfr.skills.vae import SkillVAE
 

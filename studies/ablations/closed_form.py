@@ -6,7 +6,13 @@ import torch
 from torch import Tensor, nn
 
 from lfr.mapping.generator import Generator
-from lfr.mapping.training import ActionWindows, CommonTask, MappingParams, _posteriors, _sample
+from lfr.mapping.mapping_training import (
+    ActionWindows,
+    CommonTask,
+    MappingParams,
+    _posteriors,
+    _sample,
+)
 from lfr.skills.symmetry import moved_states
 from lfr.skills.vae import SkillVAE
 
@@ -22,7 +28,7 @@ def pairs_of(
     seed: int,
     count: int = PAIRS,
 ) -> tuple[Tensor, Tensor]:
-    """k_x and k_y (N, 2Z), drawn as `lfr.mapping.training.train_mapping` draws its batches.
+    """k_x and k_y (N, 2Z), drawn as `lfr.mapping.mapping_training.train_mapping` draws its batches.
 
     Both arms' predictions at moved, blurred states, every task equally often, and in the same share
     as there both encoders' posteriors of the same augmented windows.

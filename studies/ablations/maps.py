@@ -9,13 +9,13 @@ from typing import Any, Literal
 import torch
 
 from lfr.artifacts import fingerprint
-from lfr.mapping.artifacts import MappingSeen, save_generator
 from lfr.mapping.generator import Generator
-from lfr.mapping.models import MappingJob, Material, read_material
-from lfr.mapping.report import decoded_difference, l1
-from lfr.mapping.training import CommonTask, paired, train_mapping
-from lfr.skills.artifacts import load_vae
+from lfr.mapping.map_quality import decoded_difference, l1
+from lfr.mapping.mapping_jobs import MappingJob, Material, read_material
+from lfr.mapping.mapping_training import CommonTask, paired, train_mapping
+from lfr.mapping.saved_generators import MappingSeen, save_generator
 from lfr.skills.library import RoleModels
+from lfr.skills.saved_models import load_vae
 from lfr.skills.vae import SkillVAE
 from studies.ablations.between_seeds import material_between
 from studies.ablations.broken_pairs import shuffled

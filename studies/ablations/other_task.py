@@ -8,9 +8,9 @@ from pathlib import Path
 import torch
 from torch import Tensor, nn
 
-from lfr.models import ModelKind
-from lfr.skills.artifacts import Seen
+from lfr.model_files import ModelKind
 from lfr.skills.prior import SkillPrior
+from lfr.skills.saved_models import Seen
 
 
 class OtherTaskPrior(nn.Module):

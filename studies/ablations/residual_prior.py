@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import torch
 from torch import Tensor, nn
 
-from lfr.models import ModelKind
+from lfr.model_files import ModelKind
 from lfr.skills.prior import Normalizer, SkillPrior
 from lfr.skills.vae import LOG_SIGMA_RANGE
 from studies.ablations.other_task import OTHER_TASK, OtherTaskPrior

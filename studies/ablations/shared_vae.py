@@ -9,11 +9,11 @@ from typing import Any
 
 from lfr.artifacts import fingerprint
 from lfr.scenarios import Role, Scenario, Transfer, visible_tasks
-from lfr.skills.artifacts import Seen, save_prior, save_vae
 from lfr.skills.demonstrations import DATASETS, Demonstrations, balanced, read_visible
-from lfr.skills.models import divergence, vae_report
-from lfr.skills.params import SkillsParams
-from lfr.skills.training import train_prior, train_vae
+from lfr.skills.model_jobs import divergence, vae_report
+from lfr.skills.saved_models import Seen, save_prior, save_vae
+from lfr.skills.skill_params import SkillsParams
+from lfr.skills.skill_training import train_prior, train_vae
 
 
 @dataclass(frozen=True)

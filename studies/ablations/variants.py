@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from lfr.mapping.models import mapping_job
-from lfr.mapping.training import MappingParams
+from lfr.mapping.mapping_jobs import mapping_job
+from lfr.mapping.mapping_training import MappingParams
 from lfr.scenarios import Role, Scenario, Transfer
 from lfr.skills.demonstrations import DATASETS
 from lfr.skills.library import RoleModels
-from lfr.skills.params import SkillsParams
+from lfr.skills.skill_params import SkillsParams
 from studies.ablations.any_task import AnyTaskJob, fit_any_task
 from studies.ablations.maps import MapJob, fit_map, map_jobs
 from studies.ablations.shared_vae import SharedJob, fit_shared

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from lfr.scenarios import Transfer
-from lfr.skills.artifacts import load_prior, load_seen
 from lfr.skills.library import RoleModels
+from lfr.skills.saved_models import load_prior, load_seen
 from lfr.tasks import task as task_named
 from studies.ablations.other_task import asked_about, save_other_task
 

@@ -13,7 +13,7 @@ from lfr.data.episode import FPS, JOINT_POSITION, features_of
 from lfr.data.windows import DemonstrationSet, read_dataset
 from lfr.embodiments import embodiment
 from lfr.scenarios import Scenario, check_visible
-from lfr.skills.artifacts import Seen
+from lfr.skills.saved_models import Seen
 from lfr.tasks import task as task_named
 from studies.imitation.imitation_params import ImitationParams
 from studies.imitation.likelihood import log_likelihood, train_bc

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from lfr.models import ModelKind, load_seen_as
-from lfr.skills.artifacts import Seen, check_layout
+from lfr.model_files import ModelKind, load_seen_as
+from lfr.skills.saved_models import Seen, check_layout
 from studies.imitation.recurrent_gmm import RecurrentGMM
 
 POLICY = ModelKind(

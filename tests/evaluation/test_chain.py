@@ -10,12 +10,12 @@ import pytest
 from lfr.errors import DataError
 from lfr.evaluation.chain import chain_trials
 from lfr.evaluation.trials import Trial
-from lfr.mapping.artifacts import MappingSeen, save_generator
 from lfr.mapping.generator import Generator
+from lfr.mapping.saved_generators import MappingSeen, save_generator
 from lfr.scenarios import Scenario, transfers_of
 from lfr.skills.library import transfer_models
-from lfr.skills.policy import SkillFiles
 from lfr.skills.prior import SkillPrior
+from lfr.skills.skill_policy import SkillFiles
 from lfr.skills.vae import SkillVAE
 from lfr.tasks import TASKS
 from tests.skills.made_up import actions_of, save_models

@@ -14,11 +14,11 @@ from lfr.errors import LfrError
 from lfr.external import external
 from lfr.hub.model_card import model_card
 from lfr.hub.model_facts import read_models
-from lfr.mapping.artifacts import load_generator, load_mapping_seen
+from lfr.mapping.saved_generators import load_generator, load_mapping_seen
 from lfr.scenarios import scenario, transfer
-from lfr.skills.artifacts import load_prior, load_seen, load_vae
 from lfr.skills.compatible import check_arms
-from lfr.skills.policy import SkillPolicy
+from lfr.skills.saved_models import load_prior, load_seen, load_vae
+from lfr.skills.skill_policy import SkillPolicy
 
 from .. import tiny_project
 from . import made_up

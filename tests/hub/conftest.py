@@ -38,8 +38,8 @@ def models(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Skill models of an arm: a VAE and a prior."""
     import torch
 
-    from lfr.skills.artifacts import Seen, save_prior, save_vae
     from lfr.skills.prior import SkillPrior
+    from lfr.skills.saved_models import Seen, save_prior, save_vae
     from lfr.skills.vae import SkillVAE
 
     torch.manual_seed(0)

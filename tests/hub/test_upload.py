@@ -159,7 +159,7 @@ def test_models_are_published_and_load_again(hub: Hub, models: Path) -> None:
     import torch
     from huggingface_hub import snapshot_download
 
-    from lfr.skills.artifacts import load_prior, load_vae
+    from lfr.skills.saved_models import load_prior, load_vae
 
     assert publish(models, repo="someone/skills") == 0
     assert ("model", "someone/skills") in hub.repositories

@@ -11,8 +11,8 @@ from lfr.skills.prior import SkillPrior
 from lfr.skills.vae import SkillVAE
 from lfr.tasks import task
 from lfr.transfer.actor import SkillActor
+from lfr.transfer.extended_policy import MappedPolicy
 from lfr.transfer.model import save_policy
-from lfr.transfer.policy import MappedPolicy
 from tests.transfer.conftest import one_thread as one_thread
 
 

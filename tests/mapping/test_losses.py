@@ -7,14 +7,14 @@ import pytest
 import torch
 
 from lfr.errors import DataError
-from lfr.mapping.artifacts import (
+from lfr.mapping.generator import Generator
+from lfr.mapping.losses import cycle_loss, mapping_loss, regression_loss
+from lfr.mapping.saved_generators import (
     MappingSeen,
     load_generator,
     load_mapping_seen,
     save_generator,
 )
-from lfr.mapping.generator import Generator
-from lfr.mapping.losses import cycle_loss, mapping_loss, regression_loss
 from lfr.skills.vae import LOG_SIGMA_RANGE
 
 Z = 3

@@ -7,9 +7,9 @@ from pathlib import Path
 from lfr.columns import ActionSpace
 from lfr.embodiments import embodiment, is_known
 from lfr.scenarios import visible_tasks
-from lfr.skills.artifacts import Seen, save_prior, save_vae
 from lfr.skills.library import RoleModels, skill_folder
 from lfr.skills.prior import SkillPrior
+from lfr.skills.saved_models import Seen, save_prior, save_vae
 from lfr.skills.vae import SkillVAE
 
 

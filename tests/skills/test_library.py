@@ -11,10 +11,9 @@ import pytest
 
 from lfr.errors import DataError, LfrError
 from lfr.evaluation.chain import chain_trials
-from lfr.mapping.models import fit_mapping, mapping_job
-from lfr.mapping.training import MappingParams
+from lfr.mapping.mapping_jobs import fit_mapping, mapping_job
+from lfr.mapping.mapping_training import MappingParams
 from lfr.scenarios import Scenario, transfers_of
-from lfr.skills.artifacts import Seen, save_prior, save_vae
 from lfr.skills.library import (
     RoleModels,
     needed_models,
@@ -23,9 +22,10 @@ from lfr.skills.library import (
     skill_folder,
     transfer_models,
 )
-from lfr.skills.models import PriorTraining, VAETraining, model_jobs, model_seed
-from lfr.skills.params import SkillsParams
+from lfr.skills.model_jobs import PriorTraining, VAETraining, model_jobs, model_seed
 from lfr.skills.prior import SkillPrior
+from lfr.skills.saved_models import Seen, save_prior, save_vae
+from lfr.skills.skill_params import SkillsParams
 from lfr.skills.vae import SkillVAE
 from lfr.transfer.methods.initialization import TrainedModels
 

@@ -9,7 +9,12 @@ from torch.distributions import Independent, Normal, kl_divergence
 
 from lfr.embodiments import embodiment
 from lfr.errors import DataError
-from lfr.skills.artifacts import (
+from lfr.skills.prior import (
+    TILT_SCALE,
+    SkillPrior,
+    task_loss,
+)
+from lfr.skills.saved_models import (
     Seen,
     load_prior,
     load_seen,
@@ -17,13 +22,8 @@ from lfr.skills.artifacts import (
     save_prior,
     save_vae,
 )
-from lfr.skills.params import PriorParams
-from lfr.skills.prior import (
-    TILT_SCALE,
-    SkillPrior,
-    task_loss,
-)
-from lfr.skills.training import train_prior
+from lfr.skills.skill_params import PriorParams
+from lfr.skills.skill_training import train_prior
 from lfr.skills.vae import SkillVAE
 from lfr.tasks import task
 

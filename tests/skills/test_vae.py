@@ -4,8 +4,8 @@ import pytest
 import torch
 
 from lfr.embodiments import embodiment
-from lfr.skills.params import VAEParams
-from lfr.skills.training import train_vae
+from lfr.skills.skill_params import VAEParams
+from lfr.skills.skill_training import train_vae
 from lfr.skills.vae import LOG_SIGMA_RANGE, SkillVAE, reconstruction_rmse, vae_loss
 
 OSC = embodiment("panda").action.names

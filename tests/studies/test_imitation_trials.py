@@ -13,7 +13,7 @@ from lfr.evaluation.trials import SHARD, Trial
 from lfr.scenarios import Scenario
 from lfr.seeds import use_of_seed
 from lfr.sim.steps import Steps
-from lfr.skills.artifacts import Seen
+from lfr.skills.saved_models import Seen
 from studies import imitation_trials
 from studies.imitation.cloning import ImitationJob
 from studies.imitation.saved_policies import save_policy

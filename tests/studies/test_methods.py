@@ -11,15 +11,15 @@ import pytest
 import torch
 
 from lfr.errors import DataError
-from lfr.mapping.artifacts import save_generator
 from lfr.mapping.generator import Generator
-from lfr.skills.artifacts import save_prior, save_vae
+from lfr.mapping.saved_generators import save_generator
 from lfr.skills.prior import SkillPrior
+from lfr.skills.saved_models import save_prior, save_vae
 from lfr.skills.vae import SkillVAE
 from lfr.transfer.methods import METHODS, Method, initialize
 from lfr.transfer.methods.initialization import TrainedModels
 from lfr.transfer.model import load_policy, save_policy
-from lfr.transfer.params import TransferParams
+from lfr.transfer.transfer_params import TransferParams
 from studies.ablations.other_task import OtherTaskPrior, save_other_task
 from studies.methods import methods as methods_with
 from tests.transfer.point import NAMES, point_params

@@ -10,13 +10,13 @@ import torch
 from lfr.artifacts import fingerprint
 from lfr.errors import DataError
 from lfr.evaluation.trials import Trial
-from lfr.mapping.artifacts import MappingSeen, save_generator
 from lfr.mapping.generator import Generator
+from lfr.mapping.saved_generators import MappingSeen, save_generator
 from lfr.scenarios import Role, Scenario, transfers_of
-from lfr.skills.artifacts import Seen, save_prior, save_vae
 from lfr.skills.library import RoleModels, transfer_models
-from lfr.skills.policy import SkillPolicy
 from lfr.skills.prior import SkillPrior
+from lfr.skills.saved_models import Seen, save_prior, save_vae
+from lfr.skills.skill_policy import SkillPolicy
 from lfr.skills.vae import SkillVAE
 from lfr.tasks import task
 from studies.ablations.other_task import OtherTaskPrior, asked_about, save_other_task

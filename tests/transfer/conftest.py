@@ -3,7 +3,7 @@
 import pytest
 import torch
 
-from lfr.transfer.params import TransferParams
+from lfr.transfer.transfer_params import TransferParams
 
 from .point import Models, point_models, point_params
 

@@ -12,7 +12,7 @@ from lfr.mapping.generator import Generator
 from lfr.skills.prior import SkillPrior
 from lfr.skills.vae import SkillVAE
 from lfr.transfer.methods.initialization import Initialization, initialize_from
-from lfr.transfer.params import TransferParams
+from lfr.transfer.transfer_params import TransferParams
 
 NAMES = ("x_pos", "goal_pos", "goal_to_x")
 

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import torch
 
-from lfr.mapping.artifacts import MappingSeen, save_generator
 from lfr.mapping.generator import Generator
+from lfr.mapping.saved_generators import MappingSeen, save_generator
 from lfr.scenarios import Scenario, transfers_of
-from lfr.skills.artifacts import Seen
 from lfr.skills.library import transfer_models
 from lfr.skills.prior import SkillPrior
+from lfr.skills.saved_models import Seen
 from lfr.skills.vae import SkillVAE
 from lfr.transfer.methods.initialization import TrainedModels
 from tests.skills.made_up import save_models

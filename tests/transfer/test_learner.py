@@ -12,8 +12,8 @@ from torch.distributions.kl import kl_divergence
 from lfr.errors import ParameterError
 from lfr.params import from_mapping
 from lfr.transfer.learner import Learner
-from lfr.transfer.params import TransferParams
 from lfr.transfer.replay import Batch
+from lfr.transfer.transfer_params import TransferParams
 
 from .point import lfr_initialization
 from .test_critic import member

@@ -14,7 +14,7 @@ from lfr.skills.vae import SkillVAE
 from lfr.transfer.log import LearningLog
 from lfr.transfer.loop import TransferLoop
 from lfr.transfer.model import load_policy
-from lfr.transfer.params import TransferParams
+from lfr.transfer.transfer_params import TransferParams
 
 from .point import Models, PointSimulation, lfr_initialization
 

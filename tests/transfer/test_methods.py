@@ -11,7 +11,7 @@ import torch
 
 from lfr.columns import ActionSpace
 from lfr.errors import DataError, LfrError, UnknownNameError
-from lfr.skills.artifacts import load_seen, save_vae
+from lfr.skills.saved_models import load_seen, save_vae
 from lfr.transfer.distribution import SQUASHED
 from lfr.transfer.loop import TransferLoop
 from lfr.transfer.methods import METHODS, initialize

@@ -8,7 +8,7 @@ from lfr.sim.simulation import simulation
 from lfr.skills.prior import SkillPrior
 from lfr.skills.vae import SkillVAE
 from lfr.transfer.actor import SkillActor
-from lfr.transfer.policy import IdentityMap, frozen_prior, initial_policy
+from lfr.transfer.extended_policy import IdentityMap, frozen_prior, initial_policy
 
 HORIZON, LATENT = 10, 4
 

@@ -11,11 +11,11 @@ from lfr.cli import main
 from lfr.data.episode import ACTION, ENVIRONMENT_STATE, STATE
 from lfr.embodiments import embodiment
 from lfr.errors import DataError, LfrError, UnknownNameError
-from lfr.mapping.artifacts import MappingSeen, save_generator
 from lfr.mapping.generator import Generator
-from lfr.skills.artifacts import Seen, save_prior, save_vae
+from lfr.mapping.saved_generators import MappingSeen, save_generator
 from lfr.skills.library import skill_folder
 from lfr.skills.prior import SkillPrior
+from lfr.skills.saved_models import Seen, save_prior, save_vae
 from lfr.skills.vae import SkillVAE
 from lfr.view.skills import carried, divergences
 from lfr.view.windows import Gaussians, load_skill_models, trace_windows

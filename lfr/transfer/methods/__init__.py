@@ -17,7 +17,7 @@ from lfr.transfer.methods.adapted import ap, no_generator
 from lfr.transfer.methods.initialization import Initialization, TrainedModels
 from lfr.transfer.methods.lfr import lfr
 from lfr.transfer.methods.sac import sac
-from lfr.transfer.params import TransferParams
+from lfr.transfer.transfer_params import TransferParams
 
 Method = Callable[[TrainedModels, TransferParams], Initialization]
 

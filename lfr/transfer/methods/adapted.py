@@ -2,9 +2,9 @@
 
 from lfr.errors import LfrError
 from lfr.skills.library import same_actions
+from lfr.transfer.extended_policy import IdentityMap
 from lfr.transfer.methods.initialization import Initialization, TrainedModels, initialize_from
-from lfr.transfer.params import TransferParams
-from lfr.transfer.policy import IdentityMap
+from lfr.transfer.transfer_params import TransferParams
 
 
 def ap(models: TrainedModels, params: TransferParams) -> Initialization:

@@ -9,16 +9,16 @@ from pathlib import Path
 
 from torch import nn
 
-from lfr.mapping.artifacts import load_generator
 from lfr.mapping.generator import Generator
+from lfr.mapping.saved_generators import load_generator
 from lfr.scenarios import Role, Transfer
-from lfr.skills.artifacts import load_prior, load_vae
 from lfr.skills.library import RoleModels
 from lfr.skills.prior import SkillPrior
+from lfr.skills.saved_models import load_prior, load_vae
 from lfr.skills.vae import SkillVAE
 from lfr.transfer.actor import SkillActor
-from lfr.transfer.params import TransferParams
-from lfr.transfer.policy import frozen_prior, initial_policy
+from lfr.transfer.extended_policy import frozen_prior, initial_policy
+from lfr.transfer.transfer_params import TransferParams
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """Learn from Robot: pi' = phi o pi from the source's prior (Eq. 7), near phi(p_a) (Eq. 9)."""
 
 from lfr.transfer.methods.initialization import Initialization, TrainedModels, initialize_from
-from lfr.transfer.params import TransferParams
+from lfr.transfer.transfer_params import TransferParams
 
 
 def lfr(models: TrainedModels, params: TransferParams) -> Initialization:

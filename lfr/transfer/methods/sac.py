@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from lfr.transfer.actor import OneAction, SkillActor
 from lfr.transfer.distribution import SQUASHED
+from lfr.transfer.extended_policy import IdentityMap, MappedPolicy, StandardNormal
 from lfr.transfer.methods.initialization import Initialization, TrainedModels, new_pi
-from lfr.transfer.params import TransferParams
-from lfr.transfer.policy import IdentityMap, MappedPolicy, StandardNormal
+from lfr.transfer.transfer_params import TransferParams
 
 
 def sac(models: TrainedModels, params: TransferParams) -> Initialization:

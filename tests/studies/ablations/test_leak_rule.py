@@ -13,10 +13,10 @@ from lfr.data.windows import WindowBatch
 from lfr.embodiments import embodiment
 from lfr.errors import LfrError
 from lfr.scenarios import Scenario, check_visible, transfers_of
-from lfr.skills.artifacts import load_prior, load_seen, load_vae
 from lfr.skills.demonstrations import Demonstrations
 from lfr.skills.library import RoleModels, transfer_models
-from lfr.skills.params import PriorParams, SkillsParams, VAEParams
+from lfr.skills.saved_models import load_prior, load_seen, load_vae
+from lfr.skills.skill_params import PriorParams, SkillsParams, VAEParams
 from lfr.skills.symmetry import SymmetryParams
 from lfr.skills.vae import SkillVAE
 from lfr.tasks import task as task_named

@@ -10,10 +10,16 @@ import torch
 from torch import Tensor, nn
 
 from lfr.embodiments import embodiment
-from lfr.mapping.artifacts import MappingSeen, load_generator, save_generator
 from lfr.mapping.generator import Generator
-from lfr.mapping.models import Material, mapping_job
-from lfr.mapping.training import ActionWindows, CommonTask, MappingParams, paired, train_mapping
+from lfr.mapping.mapping_jobs import Material, mapping_job
+from lfr.mapping.mapping_training import (
+    ActionWindows,
+    CommonTask,
+    MappingParams,
+    paired,
+    train_mapping,
+)
+from lfr.mapping.saved_generators import MappingSeen, load_generator, save_generator
 from lfr.scenarios import Scenario, transfers_of
 from lfr.skills.library import transfer_models
 from lfr.skills.prior import SkillPrior

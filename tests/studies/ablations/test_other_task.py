@@ -11,8 +11,8 @@ import torch
 from torch import Tensor
 
 from lfr.errors import DataError
-from lfr.skills.artifacts import Seen, load_prior
 from lfr.skills.prior import SkillPrior
+from lfr.skills.saved_models import Seen, load_prior
 from lfr.spaces import ROBOT_STATE
 from lfr.tasks import TASKS, task
 from studies.ablations.any_task import ANY_TASK_NAMES, any_task_places

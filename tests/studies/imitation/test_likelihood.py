@@ -8,7 +8,7 @@ import pytest
 import torch
 
 from lfr.errors import DataError, ParameterError
-from lfr.skills.artifacts import Seen
+from lfr.skills.saved_models import Seen
 from studies.imitation.imitation_params import ImitationParams
 from studies.imitation.likelihood import log_likelihood, train_bc
 from studies.imitation.recurrent_policy import RecurrentPolicy

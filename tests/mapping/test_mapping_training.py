@@ -10,8 +10,14 @@ from torch import nn
 
 from lfr.embodiments import embodiment
 from lfr.mapping.generator import Generator
-from lfr.mapping.report import common_report, decoded_difference, new_task_report
-from lfr.mapping.training import ActionWindows, CommonTask, MappingParams, paired, train_mapping
+from lfr.mapping.map_quality import common_report, decoded_difference, new_task_report
+from lfr.mapping.mapping_training import (
+    ActionWindows,
+    CommonTask,
+    MappingParams,
+    paired,
+    train_mapping,
+)
 from lfr.skills.prior import SkillPrior
 from lfr.skills.symmetry import SymmetryParams
 from lfr.skills.vae import SkillVAE

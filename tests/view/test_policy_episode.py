@@ -8,7 +8,7 @@ import pytest
 import torch
 
 from lfr.view.latent import SPAN, UNIT
-from lfr.view.policy import save_policy_episode
+from lfr.view.policy_episode import save_policy_episode
 from lfr.view.trace import SkillTrace
 
 from . import rrd

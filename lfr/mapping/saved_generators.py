@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from lfr.mapping.generator import Generator
-from lfr.models import ModelKind, load_seen_as
+from lfr.model_files import ModelKind, load_seen_as
 
 GENERATOR = ModelKind("generator", Generator, ("latent_dim", "hidden", "layers"))
 

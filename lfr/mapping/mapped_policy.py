@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from lfr.mapping.artifacts import load_generator
-from lfr.skills.artifacts import check_actions, load_prior, load_vae
-from lfr.skills.policy import SkillPolicy
+from lfr.mapping.saved_generators import load_generator
+from lfr.skills.saved_models import check_actions, load_prior, load_vae
+from lfr.skills.skill_policy import SkillPolicy
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,8 @@ import torch
 from torch import Tensor, nn
 
 from lfr.skills.augmentation import augment
-from lfr.skills.params import PriorParams, VAEParams
 from lfr.skills.prior import SkillPrior, task_loss
+from lfr.skills.skill_params import PriorParams, VAEParams
 from lfr.skills.symmetry import moved_copies
 from lfr.skills.vae import SkillVAE, vae_loss
 

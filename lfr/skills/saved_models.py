@@ -10,7 +10,7 @@ from pathlib import Path
 from lfr.columns import ActionSpace
 from lfr.embodiments import embodiment, may_share_actions
 from lfr.errors import DataError
-from lfr.models import ModelKind, load_seen_as
+from lfr.model_files import ModelKind, load_seen_as
 from lfr.skills.prior import SkillPrior
 from lfr.skills.vae import SkillVAE
 

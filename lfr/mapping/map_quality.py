@@ -14,7 +14,7 @@ import torch
 from torch import Tensor
 
 from lfr.mapping.generator import Generator
-from lfr.mapping.training import CommonTask, paired
+from lfr.mapping.mapping_training import CommonTask, paired
 from lfr.skills.prior import SkillPrior
 from lfr.skills.vae import CHUNK, SkillVAE
 

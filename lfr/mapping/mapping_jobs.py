@@ -14,15 +14,15 @@ from torch import Tensor
 from lfr.artifacts import fingerprint
 from lfr.embodiments import embodiment, may_share_actions
 from lfr.external import ExternalArm
-from lfr.mapping.artifacts import MappingSeen, save_generator
-from lfr.mapping.report import common_report, decoded_difference, new_task_report
-from lfr.mapping.training import ActionWindows, CommonTask, MappingParams, train_mapping
+from lfr.mapping.map_quality import common_report, decoded_difference, new_task_report
+from lfr.mapping.mapping_training import ActionWindows, CommonTask, MappingParams, train_mapping
+from lfr.mapping.saved_generators import MappingSeen, save_generator
 from lfr.scenarios import Role, Scenario, Transfer
-from lfr.skills.artifacts import load_prior, load_vae
 from lfr.skills.demonstrations import DATASETS, Demonstrations, balanced, read_visible
 from lfr.skills.library import RoleModels
 from lfr.skills.prior import SkillPrior
 from lfr.skills.rows import thinned
+from lfr.skills.saved_models import load_prior, load_vae
 from lfr.skills.symmetry import AS_RECORDED, suited
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from lfr.skills.artifacts import check_actions, load_prior, load_vae
+from lfr.skills.saved_models import check_actions, load_prior, load_vae
 from lfr.skills.vae import SkillVAE
 
 Distribution = tuple[Tensor, Tensor]

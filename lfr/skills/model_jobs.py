@@ -14,14 +14,14 @@ from lfr.artifacts import fingerprint
 from lfr.data.windows import WindowBatch
 from lfr.external import ExternalArm
 from lfr.jobs import Job
-from lfr.skills.artifacts import Seen, load_vae, save_prior, save_vae
 from lfr.skills.demonstrations import DATASETS, Demonstrations, balanced, read_tasks
 from lfr.skills.gaussian import kl_divergence, kl_to_standard_normal
 from lfr.skills.library import SkillFolder, skill_folder, tasks_name
-from lfr.skills.params import SkillsParams
 from lfr.skills.prior import SkillPrior
+from lfr.skills.saved_models import Seen, load_vae, save_prior, save_vae
+from lfr.skills.skill_params import SkillsParams
+from lfr.skills.skill_training import train_prior, train_vae
 from lfr.skills.symmetry import AS_RECORDED
-from lfr.skills.training import train_prior, train_vae
 from lfr.skills.vae import CHUNK, SkillVAE, reconstruction_rmse
 
 ModelJobs = Mapping[Job, Sequence[Job]]

@@ -4,8 +4,8 @@ import dataclasses
 
 import torch
 
+from lfr.transfer.extended_policy import IdentityMap, frozen_prior, initial_policy
 from lfr.transfer.learner import Learner
-from lfr.transfer.policy import IdentityMap, frozen_prior, initial_policy
 from lfr.transfer.replay import Batch
 
 from .point import lfr_initialization
