@@ -87,21 +87,25 @@ def _break(name: str) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--attempts", type=int, default=50)
+    parser.add_argument("--only", help="one arm, printed alone")
     parser.add_argument("--out", type=Path, default=FOLDER)
     arguments = parser.parse_args()
     every = trials(arguments.attempts)
+    if arguments.only:
+        every = [trial for trial in every if trial.name.split("-")[0] == arguments.only]
     jobs = [Job(run_trial, trial) for trial in every if trial.repaired]
     rows = list(run_jobs(jobs, description="experts", unit="trial").values())
     # One after the other in this process, which has no other arm's trials to come.
     rows += [run_trial(trial) for trial in every if not trial.repaired]
-    path = arguments.out / "experts.json"
-    write_json(path, {"trials": rows, "made_with": provenance()})
     for row in rows:
         print(
             f"{row['embodiment']:24s}{row['task']:14s}{row['successes']:3d} of {row['attempts']}"
             f"{'' if row['repaired'] else '  as robosuite has it'}"
         )
-    print(path)
+    if not arguments.only:
+        path = arguments.out / "experts.json"
+        write_json(path, {"trials": rows, "made_with": provenance()})
+        print(path)
 
 
 if __name__ == "__main__":

@@ -36,6 +36,7 @@ def make_stock_environment(
     return robosuite.make(
         chosen.stock_name,
         robots=body.robot.stock_name,
+        gripper_types=body.gripper.stock_name,
         controller_configs=body.stock_config,
         has_renderer=False,
         has_offscreen_renderer=False,
