@@ -6,6 +6,7 @@ import importlib
 import inspect
 import re
 import shlex
+import tomllib
 from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import Any, get_args, get_type_hints
@@ -169,7 +170,7 @@ def test_dvc_commands_parse() -> None:
 def test_stages_are_called_by_their_keys() -> None:
     text = "\n".join(document.read_text() for document in DOCUMENTS)
     called = re.findall(r"python -m (pipeline(?:\.[a-z]\w*)+)(?![\w.])((?: --\w+ \w+)*)", text)
-    assert len(called) > 2
+    assert called
     for module, keys in called:
         parameters = inspect.signature(importlib.import_module(module).main).parameters
         assert re.findall(r"--(\w+)", keys) in ([], list(parameters)), (module, keys)
@@ -234,3 +235,16 @@ def test_trust_names_every_kind_of_finding() -> None:
     kinds = {check for _, check, _, _ in BROKEN.values()} | {"averaged-quantiles"}
     assert len(CHECKS) <= len(kinds)
     assert [kind for kind in sorted(kinds) if f"`{kind}`" not in text] == []
+
+
+def test_the_drawing_of_rooms_is_the_contract_that_is_checked() -> None:
+    contract = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]
+    layers = next(one["layers"] for one in contract["contracts"] if one["containers"] == ["lfr"])
+    text = (ROOT / "docs" / "architecture.md").read_text()
+    drawing = text.partition("    errors\n")[2].partition("    pipeline, studies")[0]
+    drawn = [line.strip().split("   ")[0] for line in drawing.strip().splitlines()]
+    found, expected = (
+        [sorted(layer.split(" | ")) for layer in given]
+        for given in (["errors", *drawn], reversed(layers))
+    )
+    assert found == expected
