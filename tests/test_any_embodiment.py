@@ -154,7 +154,7 @@ def test_a_known_arm_is_seen_with_its_joint_motions(
 
 def test_two_controllers_stand_side_by_side(known: Recorded, tmp_path: Path) -> None:
     pair, log = tmp_path / "pair.rrd", str(known.logs[0])
-    assert main(["view", str(known.dataset), "--beside", log, "--save", str(pair)]) == 0
+    assert main(["view", str(known.dataset), "--side-by-side", log, "--save", str(pair)]) == 0
     entities = rrd.read(pair)
     for side in ("/left", "/right"):
         assert f"{side}/action/dq" in entities

@@ -48,7 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
     shown = parser.add_argument_group("what is shown")
     shown.add_argument(
-        "--beside", metavar="PATH[:N]",
+        "--side-by-side", metavar="PATH[:N]",
         help="side by side with another: an episode of a dataset or log (default: of the same "
         "seed), a policy or a recording; N alone is another of this dataset",
     )  # fmt: skip
@@ -89,8 +89,8 @@ def run(arguments: argparse.Namespace) -> int:
         show([], web=False)  # says so before anything is built
     with tempfile.TemporaryDirectory(prefix="lfr-view-") as name:
         folder, wanted = Path(name), _wanted(arguments)
-        if arguments.beside is not None:
-            shown = _beside(arguments, folder, wanted)
+        if arguments.side_by_side is not None:
+            shown = _side_by_side(arguments, folder, wanted)
         else:
             shown = recordings(arguments.path, folder, wanted)
         if not opens:
@@ -141,11 +141,11 @@ def _write(arguments: argparse.Namespace, shown: Shown) -> int:
     return 0
 
 
-def _beside(arguments: argparse.Namespace, folder: Path, wanted: Wanted) -> Shown:
+def _side_by_side(arguments: argparse.Namespace, folder: Path, wanted: Wanted) -> Shown:
     from lfr.view.pairing import save_pair
 
-    out = folder / "beside.rrd"
-    save_pair(out, arguments.path, arguments.beside, folder, wanted)
+    out = folder / "side-by-side.rrd"
+    save_pair(out, arguments.path, arguments.side_by_side, folder, wanted)
     return Shown([out], still=wanted.at is not None)
 
 

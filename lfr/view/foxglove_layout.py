@@ -46,16 +46,16 @@ def foxglove_layout(body: Embodiment) -> dict[str, Any]:
         f"Plot!{number}": _options(plot.name, _plot(plot))
         for number, plot in enumerate(plots(body), start=1)
     }
-    beside = {
+    configurations = {
         "3D!bodies": _bodies(),
         "Image!camera": _options(CAMERA.removeprefix(messages.CAMERA), picture),
         "RawMessages!observation": _options("Observation", numbers),
     }
-    frames, *others = beside
+    frames, *others = configurations
     left = _shared("column", [frames, _shared("row", others)], [2, 1])
     right = _shared("column", [_shared("row", pair) for pair in batched(curves, 2)])
     return {
-        "configById": {**beside, **curves},
+        "configById": {**configurations, **curves},
         "globalVariables": {},
         "userNodes": {},
         "playbackConfig": {"speed": 1},

@@ -9,11 +9,11 @@ from lfr.errors import LfrError
 from lfr.view.collection import Collection, collection_of
 from lfr.view.recordings import Wanted, existing, is_policy, recordings, save_policy
 from lfr.view.selection import Ranges, Selection
-from lfr.view.side_by_side import save_beside
+from lfr.view.side_by_side import save_side_by_side
 
 
-def save_pair(out: Path, path: Path, beside: str, folder: Path, wanted: Wanted) -> None:
-    """Write what is at `path` and what `beside` names into one file, side by side.
+def save_pair(out: Path, path: Path, other: str, folder: Path, wanted: Wanted) -> None:
+    """Write what is at `path` and what `other` names into one file, side by side.
 
     Without a number, the other dataset's episode is the one that starts from the same seed; a
     policy starts from it too, so that two arms are seen at the same start.
@@ -21,7 +21,7 @@ def save_pair(out: Path, path: Path, beside: str, folder: Path, wanted: Wanted) 
     Args:
         out: the file.
         path: as `lfr.view.recordings.recordings` takes it.
-        beside: a path, with `:N` for its episode, or N alone for another episode of `path`.
+        other: a path, with `:N` for its episode, or N alone for another episode of `path`.
         folder: for what is made on the way.
         wanted: of the left one.
 
@@ -30,13 +30,13 @@ def save_pair(out: Path, path: Path, beside: str, folder: Path, wanted: Wanted) 
     """
     left = one_of(path, folder / "left", wanted)
     seed = _seed(existing(path), wanted)
-    other, number = parse_beside(beside, path)
-    right = one_of(other, folder / "right", _answer(existing(other), number, seed, wanted))
-    save_beside(out, left, right, at=wanted.at)
+    place, number = parse_other(other, path)
+    right = one_of(place, folder / "right", _answer(existing(place), number, seed, wanted))
+    save_side_by_side(out, left, right, at=wanted.at)
 
 
-def parse_beside(text: str, path: Path) -> tuple[Path, int | None]:
-    """The path and the episode that `--beside` names; a path that is there is taken as it is."""
+def parse_other(text: str, path: Path) -> tuple[Path, int | None]:
+    """The path and the episode that `--side-by-side` names; a path that is there is one."""
     if Path(text).exists():
         return Path(text), None
     if text.isdecimal():

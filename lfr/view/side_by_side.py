@@ -39,7 +39,7 @@ class _Recording:
     chunks: list[Chunk]
 
 
-def save_beside(out: Path, left: Path, right: Path, *, at: float | None = None) -> None:
+def save_side_by_side(out: Path, left: Path, right: Path, *, at: float | None = None) -> None:
     """Write the recordings of two `.rrd` files as one, with a layout of two halves.
 
     Args:

@@ -103,7 +103,7 @@ def test_info_is_what_lerobot_writes(packed: Path, reference: Path) -> None:
     assert read_json(packed / "meta/info.json") == read_json(reference / "meta/info.json")
 
 
-def test_the_episodes_are_what_lerobot_writes_and_ours_beside(
+def test_the_episodes_are_what_lerobot_writes_and_ours_side_by_side(
     packed: Path, reference: Path, logs: list[Path]
 ) -> None:
     ours, theirs = pq.read_table(packed / EPISODES), pq.read_table(reference / EPISODES)

@@ -317,7 +317,7 @@ def test_an_end_effector_is_known_by_its_names(
 
 def test_two_stand_side_by_side(pushes: Written, motors: Written, tmp_path: Path) -> None:
     out = tmp_path / "pair.rrd"
-    arguments = ["view", str(pushes.path), "--beside", f"{motors.path}:1", "--save", str(out)]
+    arguments = ["view", str(pushes.path), "--side-by-side", f"{motors.path}:1", "--save", str(out)]
     assert main(arguments) == 0
     actions = rrd.rows(out, "/right/action/action", "Scalars:scalars")
     np.testing.assert_array_equal(actions, motors.column(ACTION, 1))
