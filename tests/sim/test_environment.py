@@ -11,7 +11,9 @@ from tests.sim.pairs import EMBODIMENTS, pair, put
 from tests.sim.test_simulation import goal_pose
 
 
-@pytest.mark.parametrize(("robot", "task"), [("panda", "lift"), ("ur5e-joint_position", "nut_assembly")])
+@pytest.mark.parametrize(
+    ("robot", "task"), [("panda", "lift"), ("ur5e-joint_position", "nut_assembly")]
+)
 def test_gymnasiums_own_check_passes(robot: str, task: str) -> None:
     check_env(gymnasium.make(environment_id(robot, task)).unwrapped, skip_render_check=True)
 
