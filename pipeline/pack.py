@@ -6,6 +6,7 @@ from pathlib import Path
 
 from lfr.data.checks import check_dataset
 from lfr.data.dataset import pack_dataset
+from lfr.data.episode import FPS
 from lfr.data.log_reader import list_logs
 from lfr.params import read_section
 from lfr.program import run_stage
@@ -17,7 +18,7 @@ class PackParams:
     """Parameters of the pack stage: section ``pack`` of params.yaml."""
 
     video: bool = True  # where the logs have pictures
-    fps: int = 20
+    fps: int = FPS  # that the logs must have
 
 
 def main(robot: str, task: str) -> None:

@@ -12,6 +12,12 @@ from numpy.typing import NDArray
 from lfr.robots.robot import Robot
 from lfr.spaces import Quantity, Space, gripper_action
 
+CONTROL_FREQUENCY = 20
+"""Hz; an action holds for a control step of 50 ms."""
+
+SUBSTEPS = 25
+"""Physics steps, of robosuite's 2 ms, in a control step."""
+
 TRANSLATION_UNIT = 0.05
 ROTATION_UNIT = 0.5
 """m and rad: a hand motion of 1. It is what OSC_POSE's action of 1 asks for in robosuite."""

@@ -8,11 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from lfr.controllers.controller import CONTROL_FREQUENCY
 from lfr.embodiments import Embodiment
 from lfr.spaces import ROBOT_STATE
 from lfr.tasks import Task
 
-FPS = 20  # control steps per second; a frame is a control step
+FPS = CONTROL_FREQUENCY  # a frame is a control step
 STATE = "observation.state"
 ENVIRONMENT_STATE = "observation.environment_state"
 JOINT_POSITION = "observation.joint_position"

@@ -19,6 +19,7 @@ import numpy as np
 from gymnasium.envs.registration import register
 from numpy.typing import NDArray
 
+from lfr.controllers.controller import CONTROL_FREQUENCY
 from lfr.embodiments import DEFAULT_CONTROLLER, Embodiment, embodiment, embodiments
 from lfr.errors import UnknownNameError
 from lfr.sim.steps import Steps
@@ -54,7 +55,10 @@ class Environment(gymnasium.Env[NDArray[np.float64], NDArray[np.float32]]):
         render_mode: `rgb_array` draws the agent's view, or None.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array"], "render_fps": 20}
+    metadata: ClassVar[dict[str, Any]] = {
+        "render_modes": ["rgb_array"],
+        "render_fps": CONTROL_FREQUENCY,
+    }
 
     def __init__(
         self, embodiment: str, task: str, reward: Reward = "dense", render_mode: str | None = None

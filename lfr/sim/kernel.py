@@ -13,15 +13,13 @@ from lfr.compiled import compiled
 from lfr.compiled.arrays import Control, Physics, SceneArrays
 from lfr.compiled.observation import observe
 from lfr.controllers import set_goal, set_torques
+from lfr.controllers.controller import SUBSTEPS
 from lfr.sim.compilation import entry
 from lfr.sim.cube import resize
 from lfr.sim.engine import Engine
 from lfr.sim.libmujoco import mj_kinematics, mj_resetData, mj_step1, mj_step2
 from lfr.sim.start import draw
 from lfr.tasks import reward_and_success
-
-SUBSTEPS = 25
-"""Physics steps of 2 ms in a control step of 50 ms."""
 
 LARGEST = 1e3
 """Beyond this position (rad, m) or velocity (per s) the physics counts as diverged."""

@@ -9,16 +9,13 @@ from numpy.typing import ArrayLike, NDArray
 
 import lfr.tasks
 from lfr.compiled import observation
-from lfr.controllers.controller import Configuration
+from lfr.controllers.controller import CONTROL_FREQUENCY, Configuration
 from lfr.embodiments import embodiment as embodiment_named
 from lfr.robots import Robot
 from lfr.sim.pads import pad_gap
 from lfr.sim.steps import Steps
 from lfr.sim.stock_grippers import mend_gripper
 from lfr.tasks.task import EEF, Place, Term
-
-CONTROL_FREQUENCY = 20
-"""Hz; with MuJoCo's time step of 2 ms, 25 substeps per control step."""
 
 
 def make_stock_environment(
