@@ -97,9 +97,8 @@ def _episode(simulation: Simulation | StockSimulation, seed: int) -> list[float]
     controller = simulation.embodiment.controller
     succeeded, length = False, LONGEST
     for step in range(LONGEST):
-        motion = expert.clean(observation)
-        move = controller.action_of(motion[:-1], simulation.configuration())
-        steps = simulation.step(np.append(move, motion[-1])[None])
+        action = controller.label(expert.clean(observation), simulation.configuration())
+        steps = simulation.step(action[None])
         observation = steps.observations[-1]
         if steps.successes[-1] and not succeeded:
             succeeded, length = True, step + 1

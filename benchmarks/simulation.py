@@ -54,9 +54,7 @@ def demonstration(engine: Simulation, longest: int) -> Array:
     expert = Expert(engine.task, engine.layout, ExpertParams())
     controller = engine.embodiment.controller
     while len(actions) < longest and not (success and len(actions) % SKILL == 0):
-        motion = expert.clean(observation)
-        move = controller.action_of(motion[:-1], engine.configuration())
-        actions.append(np.append(move, motion[-1]))
+        actions.append(controller.label(expert.clean(observation), engine.configuration()))
         steps = engine.step(actions[-1])
         observation, success = steps.observations[-1], success or bool(steps.successes[-1])
     return np.array(actions)
@@ -265,7 +263,7 @@ def measure(
         def bare(engine: Simulation = engine, torques: Array = torques) -> float:
             return bare_rate(engine, torques)
 
-        add(compare(f"stock/{name}", unit, GOALS[task], ours, theirs, repeats))
+        add(compare(f"stock/{name}", unit, GOALS.get(task, 8.0), ours, theirs, repeats))
         add(compare(f"mj_step/{name}", unit, BARE_GOAL, ours, bare, repeats * 2))
         if robot not in WHOLE:
             continue

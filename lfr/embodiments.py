@@ -70,9 +70,9 @@ def embodiment(name: str) -> Embodiment:
     """
     arm, *rest = name.split("-")
     chosen = robot(arm)
-    if len(rest) > 1 or (rest and rest[0] not in CONTROLLERS):
-        valid = (f"{arm}-{one}" for one in CONTROLLERS if one != DEFAULT_CONTROLLER)
-        raise UnknownNameError("embodiment", name, (arm, *valid))
+    others = [one for one in CONTROLLERS if one != DEFAULT_CONTROLLER]
+    if len(rest) > 1 or (rest and rest[0] not in others):
+        raise UnknownNameError("embodiment", name, (arm, *(f"{arm}-{one}" for one in others)))
     return Embodiment(chosen, controller(rest[0] if rest else DEFAULT_CONTROLLER))
 
 
@@ -86,12 +86,14 @@ def known_action(names: tuple[str, ...], name: str = "") -> Space | None:
     """The action whose dimensions are called ``names``; None where no embodiment here has it.
 
     Args:
-        name: of the embodiment, where it is said: arms whose joints have the same names differ in
-            what an action of 1 asks of these.
+        name: of the embodiment, where it is said. Motions of the hand are the same on any arm;
+            motions of an arm's own joints are known by its name alone.
     """
-    found = [one for one in embodiments() if one.action.names == names]
-    found.sort(key=lambda one: one.name != name)
-    return found[0].action if found else None
+    for one in embodiments():
+        own = any(quantity.moves == "with the base" for quantity in one.action.quantities)
+        if one.action.names == names and (one.name == name or not own):
+            return one.action
+    return None
 
 
 def may_share_actions(first: str, second: str) -> bool:

@@ -60,7 +60,7 @@ class Scenario:
 
 @dataclass(frozen=True)
 class Transfer:
-    """One new task brought from the arm that knows it to the one that does not.
+    """One new task that goes from the arm that knows it to the one that does not.
 
     Attributes:
         name: ``<scenario>-<target>-<task>``, e.g. "s1-panda-lift".

@@ -81,6 +81,7 @@ def test_an_embodiment_is_known_by_one_name() -> None:
         "pandas",
         "panda-",
         "panda-osc",
+        "panda-osc_pose",
         "panda-joint_position-x",
         "panda_joint_position",
     ):

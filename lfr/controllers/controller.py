@@ -77,6 +77,12 @@ class Controller:
             parts.append(f"{quantity.about} x {sizes} {quantity.unit}" if sizes else quantity.about)
         return f"in [-1, 1]: {'; '.join(parts)}"
 
+    def label(
+        self, motion: NDArray[np.float64], configuration: Configuration
+    ) -> NDArray[np.float64]:
+        """The action (A,) for a hand motion and a gripper action (7,)."""
+        return np.append(self.action_of(motion[:-1], configuration), motion[-1])
+
     def scale(self, robot: Robot) -> tuple[float, ...]:
         """(A - 1,) what an action of 1 asks for, in each dimension's unit, the gripper aside."""
         return tuple(value for quantity in self.motion(robot) for value in quantity.scale)

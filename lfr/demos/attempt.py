@@ -69,12 +69,13 @@ def attempt(simulation: Simulation, params: AttemptParams, seed: int) -> Iterato
     observation = simulation.reset(seed)
     observation = _drift(simulation, observation, params.drift, rng)
     expert = Expert(simulation.task, simulation.layout, params.expert)
-    remaining = simulation.horizon
+    controller, remaining = simulation.embodiment.controller, simulation.horizon
     while remaining > 0:
         joints, state = simulation.joint_position(), simulation.state()
         wanted = expert.clean(observation)
         done = expert.execute(wanted, rng)
-        clean, executed = (_action(simulation, motion) for motion in (wanted, done))
+        there = simulation.configuration()
+        clean, executed = (controller.label(motion, there) for motion in (wanted, done))
         steps = simulation.step(executed[None])
         if steps.diverged:
             return
@@ -98,13 +99,8 @@ def _drift(
     move[2] = drift.speed * rng.uniform(-0.4, 1.0)
     turn = drift.turn * rng.uniform(-1.0, 1.0, 3)
     gripper = rng.choice([-1.0, 1.0])  # an empty hand that is closed must be opened again
-    motion = np.concatenate([move, turn, [gripper]])
+    motion, controller = np.concatenate([move, turn, [gripper]]), simulation.embodiment.controller
     for _ in range(count):
-        observation = simulation.step(_action(simulation, motion)[None]).observations[-1]
+        action = controller.label(motion, simulation.configuration())
+        observation = simulation.step(action[None]).observations[-1]
     return observation
-
-
-def _action(simulation: Simulation, motion: np.ndarray) -> np.ndarray:
-    """The controller's action (A,) for a hand motion and a gripper action (7,)."""
-    move = simulation.embodiment.controller.action_of(motion[:-1], simulation.configuration())
-    return np.append(move, motion[-1])

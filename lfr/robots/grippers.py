@@ -44,7 +44,10 @@ _ROBOTIQ_JOINTS = _named(
 
 def _grip_site(deeper: float) -> Repair:
     """The grip site moved along the approach, so that the pads hold what it is brought to (m)."""
-    return Repair(shifts=(("site", f"{_G}grip_site", (0.0, 0.0, deeper)),))
+    return Repair(
+        why=(f"Its grip site is {1000 * deeper:g} mm deeper, between the pads.",),
+        shifts=(("site", f"{_G}grip_site", (0.0, 0.0, deeper)),),
+    )
 
 
 def _parallel_jaw(

@@ -74,6 +74,13 @@ class Robot:
     controller_site: str = "robot0_right_center"
 
     @property
+    def title(self) -> str:
+        """Its name in words: robosuite's, where the arm is robosuite's with its default gripper."""
+        if self.stock_name.lower() == self.name:
+            return self.stock_name
+        return "".join(word.capitalize() for word in self.name.split("_"))
+
+    @property
     def joint_names(self) -> tuple[str, ...]:
         """The joints without robosuite's prefix."""
         return tuple(joint.removeprefix("robot0_") for joint in self.joints)

@@ -2,8 +2,7 @@
 
 Where the engine departs from stock robosuite 1.5.2, and by how much:
 
-- Sawyer's contact between `right_arm_base_link` and `right_l0` is excluded, in `stock` too. Stock
-  Sawyer is held by it and solves few episodes.
+- What is broken in robosuite's models is mended (`lfr.robots.repair`), in `stock` too.
 - The first substep after a reset uses the present mass matrix, in `stock` too; stock robosuite's
   own use of a stale one moves joints by about 1e-6 rad in 200 steps.
 - The proximal arm links and the mount do not collide. Nothing changes until they touch something.

@@ -102,7 +102,7 @@ def compiling_once() -> Iterator[None]:
 
 
 def _compiled(folder: Path) -> bool:
-    return any(folder.rglob("kernel.run-*.nbi"))
+    return any(folder.rglob("kernel.run-*.nbc"))
 
 
 @functools.cache

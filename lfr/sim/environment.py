@@ -36,7 +36,7 @@ def environment_id(name: str, task: str) -> str:
         UnknownNameError: unknown embodiment.
     """
     body = embodiment(name)
-    parts = [_camel(task), body.robot.stock_name]
+    parts = [_camel(task), body.robot.title]
     if body.controller.name != DEFAULT_CONTROLLER:
         parts.append(_camel(body.controller.name))
     return f"lfr/{'-'.join(parts)}-v0"

@@ -6,33 +6,31 @@ import mujoco
 import numpy as np
 
 from lfr.sim.start import StartArrays
-
-# robosuite/environments/manipulation/lift.py; the bounds of the half sizes (m) are literals there
-CUBE_SIZES = (0.020, 0.022)
+from lfr.tasks import Task
 
 
-def start_arrays(environment: Any, model: mujoco.MjModel) -> StartArrays:
+def start_arrays(environment: Any, model: mujoco.MjModel, task: Task) -> StartArrays:
     """The start distribution of `environment`, for the pruned `model` of its scene."""
     arm = environment.robots[0]
     sampler = environment.placement_initializer
     samplers = list(getattr(sampler, "samplers", {"": sampler}).values())
     placed = [(s, item) for s in samplers for item in s.mujoco_objects if item.joints]
-    sized = getattr(environment, "cube", None) is not None
     bottoms = np.array([float(item.bottom_offset[2]) for _, item in placed])
     tops = np.array([float(item.top_offset[2]) for _, item in placed])
     radii = np.array([float(item.horizontal_radius) for _, item in placed])
     floors = np.array([float(s.z_offset + s.reference_pos[2]) for s, _ in placed])
+    sizes = (task.sized.low, task.sized.high) if task.sized else (0.0, 0.0)
     return StartArrays(
         joint_position=np.array(arm.init_qpos, dtype=np.float64),
         joint_noise=float(arm.initialization_noise["magnitude"]),
         open_fingers=np.array(arm.gripper["right"].init_qpos, dtype=np.float64),
         regions=np.array([_region(*pair) for pair in placed]),
-        heights=floors if sized else floors - bottoms,
+        heights=floors if task.sized else floors - bottoms,
         extents=np.stack([radii, bottoms, tops], axis=1),
         check_overlap=np.array([bool(s.ensure_valid_placement) for s, _ in placed]),
         addresses=np.array([_address(model, item.joints[0]) for _, item in placed]),
-        sized=sized,
-        sizes=np.tile(np.array(CUBE_SIZES), (3, 1)),
+        sized=task.sized is not None,
+        sizes=np.tile(sizes, (3, 1)),
     )
 
 

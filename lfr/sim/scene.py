@@ -61,7 +61,7 @@ def build_scene(name: str, task: str) -> Scene:
         task=chosen,
         model=model,
         arrays=_arrays(environment, model, body, chosen),
-        start=start_arrays(environment, model),
+        start=start_arrays(environment, model, chosen),
     )
 
 

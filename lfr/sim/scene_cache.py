@@ -28,7 +28,14 @@ from lfr.sim.start import StartArrays
 
 _LOG = logging.getLogger(__name__)
 _SOURCES = (
-    *("sim/pads.py", "sim/placement.py", "sim/scene.py", "sim/start.py", "sim/stock.py"),
+    *(
+        "sim/pads.py",
+        "sim/placement.py",
+        "sim/scene.py",
+        "sim/start.py",
+        "sim/stock.py",
+        "sim/stock_grippers.py",
+    ),
     *("embodiments.py", "spaces.py", "compiled/*.py", "controllers/*.py", "robots/*.py"),
     "tasks/*.py",
 )

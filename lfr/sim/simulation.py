@@ -44,8 +44,8 @@ class Simulation:
         self.joints, self.action_size = len(self.robot.joints), self.embodiment.action.size
         self.horizon = scene.task.horizon
         self._model, self._data = scene.model, mujoco.MjData(scene.model)
-        # Only Lift changes its model, by the size of its cube.
-        self._own = ResizableModel(self._model, "cube_main") if scene.start.sized else None
+        sized = scene.task.sized  # it changes the model
+        self._own = ResizableModel(self._model, sized.body) if sized else None
         address = None if self._own is None else self._own.address
         self._cube = no_cube() if self._own is None else self._own.cube
         self._physics = libmujoco.physics(self._model, self._data, address)
@@ -58,6 +58,7 @@ class Simulation:
                 self._physics, scene.arrays, self._control, scene.start, self._drawn, self._cube
             )
             self.reset(0)
+            self.observation()
             self.step(np.empty((0, self.action_size)))
 
     def reset(self, seed: int) -> NDArray[np.float64]:

@@ -82,8 +82,8 @@ def _free_place(
             for k in range(i):
                 apart = math.hypot(x - poses[k, 0], y - poses[k, 1])
                 above = start.heights[i] - start.heights[k]
-                beside = apart <= start.extents[k, 0] + start.extents[i, 0]
-                if beside and above <= start.extents[k, 2] - start.extents[i, 1]:
+                close = apart <= start.extents[k, 0] + start.extents[i, 0]
+                if close and above <= start.extents[k, 2] - start.extents[i, 1]:
                     free = False
         if free:
             return x, y

@@ -82,11 +82,11 @@ class StockSimulation:
         self.task = lfr.tasks.task(task)
         self.layout = self.task.observation
         self.horizon = self.task.horizon
-        # Lift draws its cube's size only when the model is built anew.
+        # robosuite draws a size only when it builds the model anew.
         self._env = make_stock_environment(
             embodiment,
             task,
-            hard_reset=self.task.name == "lift",
+            hard_reset=self.task.sized is not None,
             object_observation=object_observation,
         )
         self._env._xml_processors.append(self.robot.repaired)

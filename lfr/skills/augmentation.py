@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import torch
 from torch import Tensor
 
-from lfr.skills.symmetry import FULL_TURN, SceneMotion, move_actions, suited
+from lfr.skills.symmetry import ANY_DIRECTION, SceneMotion, move_actions, suited
 
 SCALE_RANGE = (0.6, 1.2)
 
@@ -33,7 +33,7 @@ def augment(actions: Tensor, names: Sequence[str], generator: torch.Generator) -
     """
     low, high = SCALE_RANGE
     scale = low + (high - low) * torch.rand(len(actions), 1, 1, generator=generator)
-    motion = SceneMotion.draw(len(actions), suited(FULL_TURN, names), generator)
+    motion = SceneMotion.draw(len(actions), suited(ANY_DIRECTION, names), generator)
     moved = move_actions(actions, names, motion)
     gripper = actions[torch.randperm(len(actions), generator=generator), :, -1:]
     return torch.cat([(scale * moved[..., :-1]).clamp(-1.0, 1.0), gripper], dim=-1)

@@ -90,7 +90,7 @@ def check_layout(folder: Path, found: Sequence[str], expected: Sequence[str]) ->
 def check_actions(folder: Path, robot: str) -> None:
     """Hold a model to the embodiment that is to carry out its actions.
 
-    It may be another than the model's own where their actions are called alike: so the chain's
+    It may be another than the model's own where their actions are the same things: so the chain's
     link `identity` and AP ask for it.
 
     Raises:

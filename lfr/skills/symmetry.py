@@ -165,5 +165,5 @@ def moved_states(
 AS_RECORDED = SymmetryParams(copies=0, turn=0.0, shift=0.0, mirror=False)
 """For arms of which it is not known how their actions move with the scene."""
 
-FULL_TURN = SymmetryParams(copies=1, turn=math.pi, shift=0.0)
+ANY_DIRECTION = SymmetryParams(copies=1, turn=math.pi, shift=0.0)
 """For the VAE, whose windows have no place in the scene: any direction is as good."""

@@ -10,7 +10,7 @@ from lfr.compiled import compiled
 from lfr.compiled.arrays import Physics, SceneArrays
 from lfr.compiled.contacts import contacts
 from lfr.compiled.rewards import distance, nearness
-from lfr.tasks.task import Place, Task, manipulated_object
+from lfr.tasks.task import Place, Sized, Task, manipulated_object
 from lfr.tasks.waypoints import CLOSE, CUBE_FUNNEL, View, Waypoint, grasp, turn
 
 CUBE = Place("body", "cube_main")
@@ -48,6 +48,8 @@ LIFT = Task(
     instruction="lift the cube",
     objects={"cube": CUBE.name},
     places=(CUBE,),
+    # robosuite/environments/manipulation/lift.py, where the bounds are literals
+    sized=Sized(CUBE.name, 0.020, 0.022),
     terms=manipulated_object("cube", CUBE, FOLD),
     constants=_constants,
     reward=_reward,

@@ -30,7 +30,8 @@ from lfr.tasks.waypoints import (
 NUT = Place("body", "SquareNut_main")
 HANDLE = Place("site", "SquareNut_handle_site")
 PEG = Place("body", "peg1")
-HANDLE_NUMBER, PEG_NUMBER = 2, 3  # among the scene's places
+PLACES = (NUT, HANDLE, PEG)
+HANDLE_NUMBER, PEG_NUMBER = (1 + PLACES.index(place) for place in (HANDLE, PEG))
 NUT_FOLD, PEG_FOLD = 2, 4
 
 TABLE_Z, LIFT_Z = range(2)
@@ -101,7 +102,7 @@ NUT_ASSEMBLY = Task(
     horizon=300,
     instruction="put the square nut onto its peg",
     objects={"nut": NUT.name},
-    places=(NUT, HANDLE, PEG),
+    places=PLACES,
     terms=(
         *manipulated_object("nut", NUT, NUT_FOLD),
         displacement("eef", EEF, "handle", HANDLE),

@@ -55,7 +55,7 @@ def _reward(physics: Physics, scene: SceneArrays) -> tuple[float, bool]:
 def _waypoint(view: View) -> Waypoint:
     release = 0.13  # the can's centre above the bin's floor when it is let go, m; it is 0.12 high
     # The compartment is 0.2 x 0.25 m and at the edge of the arms' reach: put the can down 5 cm
-    # before its middle, where either arm comes to rest instead of passing by, and from a height
+    # before its middle, where an arm comes to rest instead of passing by, and from a height
     # that it has on arrival.
     to_bin = view("can_to_bin")
     middle = view("can_pos")[:2] + to_bin[:2]

@@ -69,6 +69,20 @@ def yaw(
 
 
 @dataclass(frozen=True)
+class Sized:
+    """A box whose size is drawn for each episode.
+
+    Attributes:
+        body: its root body in robosuite's MJCF.
+        low, high: bounds of its half sizes, m.
+    """
+
+    body: str
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
 class Task:
     """One robosuite task for one arm.
 
@@ -87,6 +101,7 @@ class Task:
         reward: compiled, (physics, scene) -> (robosuite's dense reward, its success check), of the
             state that the last substep started from.
         waypoint: where the gripper of a demonstrator should go next.
+        sized: the object whose size is drawn, if there is one.
         unused_objects: root bodies that robosuite builds and parks away from the scene.
         stock_options: further keyword arguments of robosuite's environment.
     """
@@ -102,8 +117,17 @@ class Task:
     reward: Callable[..., tuple[float, bool]]
     waypoint: Callable[[View], Waypoint]
     points: Callable[[Any], Mapping[str, Any]] = field(default=lambda environment: {})
+    sized: Sized | None = None
     unused_objects: tuple[str, ...] = ()
     stock_options: dict[str, object] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for term in self.terms:
+            for place in {term.to, term.origin} - {EEF, *self.places}:
+                raise ValueError(f"{self.name}: {place} of {term.quantity.name} is no place of it")
+            turned = term.kind in (observation.AXIS, observation.YAW)
+            if turned and "point" in (term.to.kind, term.origin.kind):
+                raise ValueError(f"{self.name}: {term.quantity.name} of a point, which has no axes")
 
     @property
     def environment(self) -> Space:

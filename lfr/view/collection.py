@@ -62,7 +62,7 @@ class Overlay:
     log: Callable[[rr.RecordingStream, Episode, Poses], None]
 
 
-PLAIN = Overlay(episode_blueprint, lambda recording, episode, poses: None)
+EPISODE_ALONE = Overlay(episode_blueprint, lambda recording, episode, poses: None)
 
 
 def is_collection(path: Path) -> bool:
@@ -97,7 +97,7 @@ def save_episodes(
     numbers: Sequence[int],
     folder: Path,
     *,
-    overlay: Overlay = PLAIN,
+    overlay: Overlay = EPISODE_ALONE,
     at: float | None = None,
 ) -> list[Path]:
     """Write each episode to an `.rrd` file in `folder`: recordings of one application.

@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 from lfr.artifacts import write_whole
 from lfr.data.episode import FPS, JOINT_POSITION, REWARD, SUCCESS, Episode
 from lfr.embodiments import is_known
+from lfr.tasks import TASKS
 from lfr.view.action import own_action
 from lfr.view.blueprint import EpisodeLayout, episode_blueprint
 from lfr.view.eye import eye_on
@@ -152,8 +153,9 @@ def log_bodies(recording: rr.RecordingStream, episode: Episode, poses: Poses) ->
     shown: tuple[str, ...] = ()
     if poses and in_known_scene(episode):
         shown = log_scene(recording, episode.robot, episode.task, placed=poses.keys())
-        if "cube_main" in shown:
-            log_cube_size(recording, episode)
+        sized = TASKS[episode.task].sized
+        if sized and sized.body in shown:
+            log_size(recording, episode, sized.body)
     else:
         recording.log(WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
         if poses and is_known(episode.robot):
@@ -176,14 +178,16 @@ def log_poses(
         recording.send_columns(body_path(body, world), indexes=times, columns=columns)
 
 
-def log_cube_size(recording: rr.RecordingStream, episode: Episode, world: str = WORLD) -> None:
-    """Give Lift's cube the size that this episode drew; the scene has that of another draw."""
+def log_size(
+    recording: rr.RecordingStream, episode: Episode, body: str, world: str = WORLD
+) -> None:
+    """Give a box the size that this episode drew; the scene has that of another draw."""
     import rerun as rr
 
-    if episode.task == "lift" and len(episode.simulator_state):
+    if len(episode.simulator_state):
         size = episode.simulator_state[0, -3:]  # half size (m), last in the state
-        cube = rr.Boxes3D.from_fields(half_sizes=[size])
-        recording.log(f"{body_path('cube_main', world)}/box", cube, static=True)
+        box = rr.Boxes3D.from_fields(half_sizes=[size])
+        recording.log(f"{body_path(body, world)}/box", box, static=True)
 
 
 def log_cameras(recording: rr.RecordingStream, episode: Episode) -> None:

@@ -71,15 +71,15 @@ def one_of(path: Path, folder: Path, wanted: Wanted) -> Path:
 
 def _answer(path: Path, number: int | None, seed: int | None, wanted: Wanted) -> Wanted:
     """What is wanted of the right one."""
-    plain = replace(wanted, selection=None, seed=None, skills=None, mapping=None)
+    unselected = replace(wanted, selection=None, seed=None, skills=None, mapping=None)
     collection = collection_of(path)
     if collection is None:
         if number is not None:
             raise LfrError(f"{path} has no episodes to choose from; expected a dataset or logs")
-        return replace(plain, seed=seed)
+        return replace(unselected, seed=seed)
     if number is None:
         number = _with_seed(collection, seed)
-    return replace(plain, selection=Selection(episodes=Ranges.parse(str(number))))
+    return replace(unselected, selection=Selection(episodes=Ranges.parse(str(number))))
 
 
 def _seed(path: Path, wanted: Wanted) -> int | None:

@@ -28,7 +28,7 @@ class RecurrentPolicy:
 
     @torch.inference_mode()
     def act(self, observation: np.ndarray) -> np.ndarray:
-        """The next control step's action, (1, 7), for an observation (D,)."""
+        """The next control step's action, (1, A), for an observation (D,)."""
         if self._done % self.network.horizon == 0:
             self._hidden = None
         self._done += 1

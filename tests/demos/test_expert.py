@@ -7,7 +7,7 @@ from lfr.demos.attempt import AttemptParams, attempt
 from lfr.demos.expert import PERTURBATION_STEPS, Expert, ExpertParams
 from lfr.sim.simulation import simulation
 from lfr.tasks import task
-from tests.sim.pairs import COMBINATIONS
+from tests.sim.pairs import COMBINATIONS, EMBODIMENTS
 
 BEYOND = {("jaco", "nut_assembly")}
 """Jaco's two fingers stand 40 mm apart, and one of them comes down on the nut."""
@@ -67,3 +67,12 @@ def test_it_does_every_task_with_every_arm(name: str, task: str) -> None:
     params = AttemptParams(expert=CALM)
     attempts = (list(attempt(simulation(name, task), params, seed)) for seed in range(4))
     assert sum(any(moment.success for moment in moments) for moments in attempts) >= 3
+
+
+@pytest.mark.parametrize("name", EMBODIMENTS[::2])
+def test_a_hand_that_holds_the_cube_is_as_wide_as_the_cube(name: str) -> None:
+    engine = simulation(name, "lift")
+    last = list(attempt(engine, AttemptParams(expert=CALM), 3))[-1]
+    aperture = last.observation[engine.layout.index("gripper_aperture")]
+    across = 2.0 * engine.cube_size()[:2]  # m, 0.040 to 0.044; the fingers close on either side
+    assert across.min() - 0.004 < aperture < across.max() + 0.004

@@ -102,8 +102,9 @@ def goal_pose(engine: Simulation) -> np.ndarray:
             return np.array(
                 [*(engine._scene.arrays.place_point[2] + np.array([0, 0, 0.05])), *upright]
             )
-        case _:
+        case "nut_assembly":
             return np.array([*data.body("peg1").xpos[:2], 0.84, *upright])
+    raise AssertionError(f"say where {engine.task.name} has its goal")
 
 
 @pytest.mark.parametrize(("name", "task"), COMBINATIONS)

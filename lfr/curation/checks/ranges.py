@@ -14,13 +14,15 @@ from lfr.spaces import Quantity, joint_position, quantity, quantity_name
 Bounds = tuple[float, float]
 
 
-def bounds(key: str, features: Mapping[str, Mapping[str, Any]]) -> dict[int, Bounds]:
-    """Dimension of the feature `key` -> its smallest and largest value.
+def bounds(
+    key: str, features: Mapping[str, Mapping[str, Any]], robot: str = ""
+) -> dict[int, Bounds]:
+    """Dimension of the feature `key` -> its smallest and largest value, of a robot's dataset.
 
     Nothing for a dataset whose action is no known embodiment's: its lengths may be millimetres.
     Nor for a dimension that no name explains.
     """
-    action = known_action(tuple(names_of(features.get(ACTION, {}))))
+    action = known_action(tuple(names_of(features.get(ACTION, {}))), robot)
     if action is None:
         return {}
     names = names_of(features[key])

@@ -67,7 +67,8 @@ def _names(feature: dict[str, Any], key: str, size: int) -> list[str]:
 
 
 def _ranges(contents: Contents, key: str, names: list[str], rows: NDArray) -> Iterator[Finding]:
-    for i, (low, high) in bounds(key, contents.features).items():
+    robot = str(contents.info.get("robot_type") or "")
+    for i, (low, high) in bounds(key, contents.features, robot).items():
         if i >= len(names):
             continue  # more names than dimensions: said where the schema is checked
         column = rows[:, i]
