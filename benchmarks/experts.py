@@ -99,7 +99,7 @@ def main() -> None:
     rows += [run_trial(trial) for trial in every if not trial.repaired]
     for row in rows:
         print(
-            f"{row['embodiment']:24s}{row['task']:14s}{row['successes']:3d} of {row['attempts']}"
+            f"{row['embodiment']:32s}{row['task']:14s}{row['successes']:3d} of {row['attempts']}"
             f"{'' if row['repaired'] else '  as robosuite has it'}"
         )
     if not arguments.only:

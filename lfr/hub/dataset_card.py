@@ -84,7 +84,7 @@ def _summary(facts: DatasetFacts, making: Making | None) -> str:
     many = len(facts.instructions)
     tasks = f"one task, {words}" if many == 1 else f"{many} tasks, {words}"
     known = is_known(facts.robot)
-    arm = embodiment(facts.robot).robot.stock_name if known else facts.robot
+    arm = embodiment(facts.robot).robot.title if known else facts.robot
     by = f", by the arm {arm}" if arm else ""
     scenes = ", ".join(TASKS[task].stock_name for task in facts.tasks if task in TASKS)
     scene = f", in simulation ({scenes})" if _ours(facts, making) else ""

@@ -8,7 +8,7 @@ from lfr.robots import Robot
 def departures(robot: Robot) -> list[str]:
     """A line for each repair of a robosuite model; numbers from stock are not comparable then."""
     return [
-        f"{robot.stock_name} departs from stock robosuite: {why[0].lower()}{why[1:]} Numbers from "
+        f"{robot.title} departs from stock robosuite: {why[0].lower()}{why[1:]} Numbers from "
         "there are not comparable."
         for why in robot.repairs.why
     ]

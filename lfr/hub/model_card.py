@@ -84,7 +84,7 @@ def _evaluations(facts: ModelFacts) -> list[EvalResult]:
     if not learned or not judged:
         return []
     arm = embodiment(learned["robot"]).robot
-    stock = f"{TASKS[learned['task']].stock_name}, {arm.stock_name}"
+    stock = f"{TASKS[learned['task']].stock_name}, {arm.title}"
     return [
         EvalResult(
             task_type="robotics",

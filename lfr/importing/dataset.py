@@ -101,7 +101,7 @@ def _known(source: RobomimicFile, about: About) -> _Known:
         raise ParameterError(f"{source.path} does not say its control_freq; give --fps")
     names = kwargs.get("robots") or []
     names = [names] if isinstance(names, str) else names
-    robots = {robot.stock_name: name for name, robot in ROBOTS.items()}
+    robots = {robot.title: name for name, robot in ROBOTS.items()}
     robot = "_".join(robots.get(name, name.lower()) for name in names) or "unknown"
     env_name = source.env_args.get("env_name", "unknown")
     task = next((task for task in TASKS.values() if task.stock_name == env_name), None)

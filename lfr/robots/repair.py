@@ -9,6 +9,8 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 
+from lfr.errors import LfrError
+
 
 @dataclass(frozen=True)
 class Coupling:
@@ -93,7 +95,11 @@ NEARER = Repair(
 
 
 def _find(root: ET.Element, tag: str, name: str) -> ET.Element:
-    return next(element for element in root.iter(tag) if element.get("name") == name)
+    for element in root.iter(tag):
+        if element.get("name") == name:
+            return element
+    known = ", ".join(str(element.get("name")) for element in root.iter(tag))
+    raise LfrError(f"a repair is of the {tag} {name!r}, which the model lacks; it has {known}")
 
 
 def _shift(element: ET.Element, shift: tuple[float, float, float]) -> None:
@@ -110,8 +116,9 @@ def _drop_tendons(root: ET.Element, ending: str) -> None:
 
 
 def _move_to_base(root: ET.Element, name: str) -> None:
-    parent = next(p for p in root.iter() if any(c.get("name") == name for c in p.findall("site")))
-    site = _find(parent, "site", name)
-    parent.remove(site)
+    site = _find(root, "site", name)
+    for parent in root.iter():
+        if site in list(parent):
+            parent.remove(site)
     site.set("pos", "0 0 0")
     _find(root, "body", "robot0_base").append(site)

@@ -45,6 +45,10 @@ class Gripper:
     repair: Repair = field(default_factory=Repair)
     grip_site: str = "gripper0_right_grip_site"
 
+    def __post_init__(self) -> None:
+        for what in ("opened", "closed"):
+            _check_length(self.name, what, getattr(self, what), self.joints)
+
 
 @dataclass(frozen=True)
 class Robot:
@@ -73,6 +77,13 @@ class Robot:
     base_body: str = "robot0_base"
     controller_site: str = "robot0_right_center"
 
+    def __post_init__(self) -> None:
+        if "-" in self.name:
+            raise ValueError(
+                f"{self.name}: no '-' in the name of an arm; it parts off the controller"
+            )
+        _check_length(self.name, "joint_scale", self.joint_scale, self.joints)
+
     @property
     def title(self) -> str:
         """Its name in words: robosuite's, where the arm is robosuite's with its default gripper."""
@@ -93,3 +104,8 @@ class Robot:
     def repaired(self, xml: str) -> str:
         """robosuite's MJCF of this arm with its gripper, mended."""
         return self.repairs.applied(xml)
+
+
+def _check_length(name: str, what: str, values: tuple[float, ...], joints: tuple[str, ...]) -> None:
+    if len(values) != len(joints):
+        raise ValueError(f"{name}: {what} has {len(values)} values for {len(joints)} joints")

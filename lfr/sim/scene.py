@@ -7,6 +7,7 @@ Bodies that cannot move and that nothing can touch are taken out too, and the ot
 move lose their mass: otherwise MuJoCo computes the drag of the air on them in every step.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -74,6 +75,9 @@ def pruned_spec(xml: str, robot: Robot, task: Task) -> mujoco.MjSpec:
         spec.delete(spec.body(name))
     for element in [*spec.cameras, *spec.lights]:
         spec.delete(element)
+    missing = set(robot.distal_bodies) - {body.name for body in spec.bodies}
+    if missing:
+        raise LfrError(f"{robot.name}: the model has no bodies {', '.join(sorted(missing))}")
     kept = ("gripper0_", *robot.distal_bodies)
     for body in spec.bodies:
         if body.name.startswith(("robot0_", "fixed_mount0_")) and not body.name.startswith(kept):
@@ -146,7 +150,7 @@ def _arrays(environment: Any, model: mujoco.MjModel, body: Embodiment, task: Tas
         action_scale=np.array(body.action_scale),
         place_kind=np.array([PLACE_KINDS[place.kind] for place in places]),
         place_id=np.array([_place_id(model, place) for place in places]),
-        place_point=np.array([points.get(place.name, np.zeros(3)) for place in places]),
+        place_point=np.array([_place_point(points, task, place) for place in places]),
         term_kind=np.array([term.kind for term in task.terms]),
         term_to=np.array([numbers[term.to] for term in task.terms]),
         term_from=np.array([numbers[term.origin] for term in task.terms]),
@@ -159,6 +163,16 @@ def _place_id(model: mujoco.MjModel, place: Place) -> int:
     if place.kind == "point":
         return -1
     return (model.body if place.kind == "body" else model.site)(place.name).id
+
+
+def _place_point(points: Mapping[str, Any], task: Task, place: Place) -> Any:
+    if place.kind != "point":
+        return np.zeros(3)
+    if place.name not in points:
+        raise LfrError(
+            f"{task.name}: no point {place.name!r}; found: {', '.join(points) or 'none'}"
+        )
+    return points[place.name]
 
 
 def _geom_kinds(model: mujoco.MjModel, robot: Robot, bodies: list[int]) -> NDArray[np.int64]:
