@@ -23,6 +23,10 @@ from lfr.params import read_section
 from lfr.robots.repair import Repair
 from lfr.tasks import TASKS
 
+PAGE = Path("docs/simulation.md")
+BEGIN, END = "<!-- experts -->", "<!-- /experts -->"
+"""Between these the page shows `table`."""
+
 
 @dataclass(frozen=True)
 class Trial:
@@ -71,6 +75,27 @@ def run_trial(trial: Trial) -> dict[str, Any]:
     }
 
 
+def table(rows: list[dict[str, Any]]) -> str:
+    """Percent of attempts that succeed, as Markdown; in brackets without the arm's repairs."""
+    found = {(r["embodiment"], r["task"], r["repaired"]): r for r in rows}
+    names = list(dict.fromkeys(row["embodiment"] for row in rows))
+    lines = []
+    for name in names:
+        cells = [_share(found, name, task) for task in TASKS]
+        lines.append(f"| `{name}` | {' | '.join(cells)} |")
+    head = f"| | {' | '.join(task.stock_name for task in TASKS.values())} |"
+    return "\n".join([head, "|---" * (len(TASKS) + 1) + "|", *lines])
+
+
+def _share(found: dict[tuple[str, str, bool], dict[str, Any]], name: str, task: str) -> str:
+    shares = [
+        f"{100 * row['successes'] / row['attempts']:.0f}"
+        for repaired in (True, False)
+        if (row := found.get((name, task, repaired)))
+    ]
+    return f"{shares[0]} ({shares[1]})" if len(shares) > 1 else shares[0]
+
+
 def _break(name: str) -> None:
     """In this process, the arm as robosuite has it."""
     from lfr.robots import ROBOTS
@@ -105,7 +130,10 @@ def main() -> None:
     if not arguments.only:
         path = arguments.out / "experts.json"
         write_json(path, {"trials": rows, "made_with": provenance()})
-        print(path)
+        text = PAGE.read_text()
+        before, rest = text.split(BEGIN)[0], text.split(END)[1]
+        PAGE.write_text(f"{before}{BEGIN}\n{table(rows)}\n{END}{rest}")
+        print(path, PAGE, sep="\n")
 
 
 if __name__ == "__main__":
