@@ -18,7 +18,7 @@ from PIL import Image
 from lfr.cli import main
 from lfr.errors import LfrError
 from lfr.view.blueprint import EpisodeLayout, episode_blueprint
-from lfr.view.collection import PLAIN, collection_of, save_episodes
+from lfr.view.collection import EPISODE_ALONE, collection_of, save_episodes
 from lfr.view.screenshot import NO_DRIVER, take_screenshot
 from lfr.view.viewer import viewer_command
 
@@ -78,7 +78,9 @@ def test_a_browser_shows_what_is_served(recorded: Recorded, tmp_path: Path) -> N
         pytest.skip("no Chromium here: apt-get install chromium-headless-shell")
     collection = collection_of(recorded.log)
     assert collection is not None
-    (still,) = save_episodes(collection, [0], tmp_path, overlay=replace(PLAIN, blueprint=paused))
+    (still,) = save_episodes(
+        collection, [0], tmp_path, overlay=replace(EPISODE_ALONE, blueprint=paused)
+    )
     command = viewer_command([still], web=True)
     data, page = (command[command.index(flag) + 1] for flag in ("--port", "--web-viewer-port"))
     url = f"http://127.0.0.1:{page}?url=rerun%2Bhttp%3A%2F%2F127.0.0.1%3A{data}%2Fproxy"
