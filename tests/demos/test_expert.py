@@ -75,4 +75,5 @@ def test_a_hand_that_holds_the_cube_is_as_wide_as_the_cube(name: str) -> None:
     last = list(attempt(engine, AttemptParams(expert=CALM), 3))[-1]
     aperture = last.observation[engine.layout.index("gripper_aperture")]
     across = 2.0 * engine.cube_size()[:2]  # m, 0.040 to 0.044; the fingers close on either side
-    assert across.min() - 0.004 < aperture < across.max() + 0.004
+    # Jaco's fingertips touch with their edges: its pads' centres stay 5 mm further apart.
+    assert across.min() - 0.004 < aperture < across.max() + 0.006
