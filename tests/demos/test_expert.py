@@ -9,8 +9,9 @@ from lfr.sim.simulation import simulation
 from lfr.tasks import task
 from tests.sim.pairs import COMBINATIONS, EMBODIMENTS
 
-BEYOND = {("jaco", "nut_assembly")}
-"""Jaco's two fingers stand 40 mm apart, and one of them comes down on the nut."""
+HARD = ("jaco", "nut_assembly")
+"""Jaco's two fingers stand 40 mm apart, and one of them often comes down on the nut: 58 to 62 %
+of 40 attempts in results/benchmarks/experts.json."""
 
 CALM = ExpertParams(noise=0.0, perturbation=0.0, slip=0.0)
 
@@ -62,11 +63,10 @@ def test_without_disturbance_it_executes_the_label() -> None:
 
 @pytest.mark.parametrize(("name", "task"), COMBINATIONS)
 def test_it_does_every_task_with_every_arm(name: str, task: str) -> None:
-    if (name.split("-")[0], task) in BEYOND:
-        pytest.skip("measured in results/benchmarks/experts.json")
+    enough = 1 if (name.split("-")[0], task) == HARD else 3
     params = AttemptParams(expert=CALM)
     attempts = (list(attempt(simulation(name, task), params, seed)) for seed in range(4))
-    assert sum(any(moment.success for moment in moments) for moments in attempts) >= 3
+    assert sum(any(moment.success for moment in moments) for moments in attempts) >= enough
 
 
 @pytest.mark.parametrize("name", EMBODIMENTS[::2])
