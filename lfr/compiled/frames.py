@@ -1,6 +1,7 @@
 """Points and axes in the arm's base frame, for the compiled kernel.
 
-A place is a body, a site, or a point that stays where it is.
+A place is a body, a site, or a point that stays where it is. A vector is a tuple of numbers here:
+compiled code keeps it in registers, where a slice of an array would be counted as a reference.
 """
 
 from __future__ import annotations
@@ -13,65 +14,69 @@ from numpy.typing import NDArray
 from lfr.compiled.arrays import Physics, SceneArrays
 from lfr.compiled.marking import compiled
 
+type Vector = tuple[float, float, float]
+
 BODY, SITE, POINT = range(3)
 """Kinds of place: what `SceneArrays.place_id` counts, if anything."""
 
 
 @compiled
-def position_of(physics: Physics, scene: SceneArrays, place: int) -> NDArray[np.float64]:
-    """Position (3,) of a place, m, world frame."""
-    if scene.place_kind[place] == BODY:
-        return physics.xpos[scene.place_id[place]]
+def position_of(physics: Physics, scene: SceneArrays, place: int) -> Vector:
+    """Position of a place, m, world frame."""
+    kind, i = scene.place_kind[place], scene.place_id[place]
+    if kind == BODY:
+        return row(physics.xpos, i)
+    if kind == SITE:
+        return row(physics.site_xpos, i)
+    return row(scene.place_point, place)
+
+
+@compiled
+def axis_of(physics: Physics, scene: SceneArrays, place: int, axis: int) -> Vector:
+    """An axis (0, 1, 2 for x, y, z) of a body or a site, world frame."""
+    i = scene.place_id[place]
     if scene.place_kind[place] == SITE:
-        return physics.site_xpos[scene.place_id[place]]
-    return scene.place_point[place]
+        return column(physics.site_xmat, i, axis)
+    return column(physics.xmat, i, axis)
 
 
 @compiled
-def axes_of(physics: Physics, scene: SceneArrays, place: int) -> NDArray[np.float64]:
-    """Rotation matrix (9,), row by row, of a body or a site, world frame."""
-    if scene.place_kind[place] == SITE:
-        return physics.site_xmat[scene.place_id[place]]
-    return physics.xmat[scene.place_id[place]]
+def row(array: NDArray[np.float64], i: int) -> Vector:
+    """The i-th of an array of points (n, 3)."""
+    return array[i, 0], array[i, 1], array[i, 2]
 
 
 @compiled
-def in_base(
-    physics: Physics,
-    scene: SceneArrays,
-    point: NDArray[np.float64],
-    out: NDArray[np.float64],
-    at: int,
-) -> None:
-    """Write a world point (3,) in the base frame to ``out[at : at + 3]``."""
-    base, origin = physics.xmat[scene.base_body], physics.xpos[scene.base_body]
-    for i in range(3):
-        out[at + i] = 0.0
-        for k in range(3):
-            out[at + i] += base[3 * k + i] * (point[k] - origin[k])
+def column(matrices: NDArray[np.float64], i: int, axis: int) -> Vector:
+    """A column of the i-th of an array of rotation matrices (n, 9)."""
+    return matrices[i, axis], matrices[i, 3 + axis], matrices[i, 6 + axis]
 
 
 @compiled
-def column_in_base(
-    physics: Physics,
-    scene: SceneArrays,
-    matrix: NDArray[np.float64],
-    column: int,
-    out: NDArray[np.float64],
-    at: int,
-) -> None:
-    """Write a column of a rotation matrix (9,) in the base frame to ``out[at : at + 3]``."""
-    base = physics.xmat[scene.base_body]
-    for i in range(3):
-        out[at + i] = 0.0
-        for k in range(3):
-            out[at + i] += base[3 * k + i] * matrix[3 * k + column]
+def point_in_base(physics: Physics, scene: SceneArrays, point: Vector) -> Vector:
+    """A point, given and returned in m, from the world to the base frame."""
+    x, y, z = row(physics.xpos, scene.base_body)
+    return vector_in_base(physics, scene, (point[0] - x, point[1] - y, point[2] - z))
 
 
 @compiled
-def yaw_in_base(physics: Physics, scene: SceneArrays, matrix: NDArray[np.float64]) -> float:
-    """Yaw psi (rad) of the x axis of a rotation matrix (9,) about the base's z axis."""
-    base = physics.xmat[scene.base_body]
-    x = base[0] * matrix[0] + base[3] * matrix[3] + base[6] * matrix[6]
-    y = base[1] * matrix[0] + base[4] * matrix[3] + base[7] * matrix[6]
+def vector_in_base(physics: Physics, scene: SceneArrays, vector: Vector) -> Vector:
+    """A direction from the world to the base frame."""
+    x, y, z = vector
+    ax, ay, az = column(physics.xmat, scene.base_body, 0)
+    bx, by, bz = column(physics.xmat, scene.base_body, 1)
+    cx, cy, cz = column(physics.xmat, scene.base_body, 2)
+    return ax * x + ay * y + az * z, bx * x + by * y + bz * z, cx * x + cy * y + cz * z
+
+
+@compiled
+def yaw_in_base(physics: Physics, scene: SceneArrays, axis: Vector) -> float:
+    """Yaw psi (rad) of a direction, given in the world frame, about the base's z axis."""
+    x, y, _ = vector_in_base(physics, scene, axis)
     return math.atan2(y, x)
+
+
+@compiled
+def distance(a: Vector, b: Vector) -> float:
+    """Between two points, m."""
+    return math.sqrt((a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2 + (a[2] - b[2]) ** 2)

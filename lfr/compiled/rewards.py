@@ -8,19 +8,10 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
 from lfr.compiled.marking import compiled
 
 REACH, GRASP, LIFTED, HOVER = 0.1, 0.35, 0.5, 0.7
 """Largest rewards of the stages of PickPlace and NutAssembly."""
-
-
-@compiled
-def distance(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
-    """Between two points (3,), m."""
-    return math.sqrt((a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2 + (a[2] - b[2]) ** 2)
 
 
 @compiled

@@ -27,6 +27,10 @@ _SOURCES = (
     *(f"sim/{name}.py" for name in ("pcg64", "start")),
 )
 _OPTIONS = {"nogil": True, "error_model": "numpy", "forceinline": True}
+_WITHOUT_REFERENCE_COUNTS = {"_nrt": False}
+"""What is passed on is alive as long as the simulation is, and compiled code allocates nothing:
+counting the references of some 60 arrays at each call would take as long as the torques do. A
+function that allocates, or returns an array, does not compile."""
 _known: set[Callable[..., Any]] = set()
 
 
@@ -50,7 +54,7 @@ def make_callable() -> None:
     """Let compiled code call every function that is marked as `lfr.compiled.compiled` by now."""
     for function in MARKED:
         if function not in _known:
-            register_jitable(**_OPTIONS)(function)
+            register_jitable(**_OPTIONS, **_WITHOUT_REFERENCE_COUNTS)(function)
             _known.add(function)
 
 

@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 from lfr.compiled import compiled
 
 State = NDArray[np.uint64]
-"""(4,): the LCG's state and its increment, the high word of each first."""
+"""(8,): the LCG's state and its increment, the high word of each first, and the pool of
+32-bit words that it is seeded from."""
 
 _MULTIPLIER_HIGH, _MULTIPLIER_LOW = np.uint64(2549297995355413924), np.uint64(4865540595714422341)
 _ONE, _SHIFT, _WORD = np.uint64(1), np.uint64(32), np.uint64(0xFFFFFFFF)
@@ -29,14 +30,14 @@ _ONE, _SHIFT, _WORD = np.uint64(1), np.uint64(32), np.uint64(0xFFFFFFFF)
 
 def generator() -> State:
     """Room for a generator; `seed_generator` gives it its state."""
-    return np.zeros(4, dtype=np.uint64)
+    return np.zeros(8, dtype=np.uint64)
 
 
 @compiled
 def seed_generator(seed: int, state: State) -> None:
     """The state of `np.random.default_rng(seed)`, for a seed below 2^64."""
     entropy = np.uint64(seed)
-    pool = np.zeros(4, dtype=np.uint32)
+    pool = state[4:]
     constant = np.uint32(0x43B0D7E5)
     for i in range(4):
         word = np.uint32((entropy >> np.uint64(32 * i)) & _WORD) if i < 2 else np.uint32(0)
@@ -44,19 +45,20 @@ def seed_generator(seed: int, state: State) -> None:
     for source in range(4):
         for target in range(4):
             if source != target:
-                word, constant = _hashed(pool[source], constant, np.uint32(0x931E8875))
+                word, constant = _hashed(np.uint32(pool[source]), constant, np.uint32(0x931E8875))
                 mixed = np.uint32(
-                    np.uint32(0xCA01F9DD) * pool[target] - np.uint32(0x4973F715) * word
+                    np.uint32(0xCA01F9DD) * np.uint32(pool[target]) - np.uint32(0x4973F715) * word
                 )
                 pool[target] = mixed ^ (mixed >> np.uint32(16))
-    words = np.zeros(8, dtype=np.uint32)
     constant = np.uint32(0x8B51F9DD)
-    for i in range(8):
-        words[i], constant = _hashed(pool[i % 4], constant, np.uint32(0x58F38DED))
-    # Pairs of words, low word first: the state's high and low half, then the increment's.
-    high, low = _paired(words, 0), _paired(words, 2)
-    state[2] = (_paired(words, 4) << _ONE) | (_paired(words, 6) >> np.uint64(63))
-    state[3] = (_paired(words, 6) << _ONE) | _ONE
+    for i in range(4):  # the state's high and low half, then the increment's; low word first
+        first, second = np.uint32(pool[2 * i % 4]), np.uint32(pool[(2 * i + 1) % 4])
+        first, constant = _hashed(first, constant, np.uint32(0x58F38DED))
+        second, constant = _hashed(second, constant, np.uint32(0x58F38DED))
+        state[i] = np.uint64(first) | (np.uint64(second) << _SHIFT)
+    high, low = state[0], state[1]
+    state[2] = (state[2] << _ONE) | (state[3] >> np.uint64(63))
+    state[3] = (state[3] << _ONE) | _ONE
     state[0], state[1] = np.uint64(0), np.uint64(0)
     _advance(state)
     total = state[1] + low
@@ -104,11 +106,6 @@ def _hashed(value: np.uint32, constant: np.uint32, multiplier: np.uint32):  # ty
     constant = np.uint32(constant * multiplier)
     value = np.uint32(value * constant)
     return np.uint32(value ^ (value >> np.uint32(16))), constant
-
-
-@compiled
-def _paired(words: NDArray[np.uint32], first: int) -> np.uint64:
-    return np.uint64(words[first]) | (np.uint64(words[first + 1]) << _SHIFT)
 
 
 @compiled

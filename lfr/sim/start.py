@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lfr.compiled import compiled
-from lfr.sim.pcg64 import normal, seed_generator, uniform
+from lfr.sim.pcg64 import generator, normal, seed_generator, uniform
 
 
 class StartArrays(NamedTuple):
@@ -44,8 +44,7 @@ class Drawn(NamedTuple):
 
 def room(joints: int, objects: int) -> Drawn:
     """Room for a start of an arm with so many joints among so many objects."""
-    generator, poses = np.zeros(4, np.uint64), np.zeros((objects, 7))
-    return Drawn(generator, np.zeros(joints), poses, np.zeros(3))
+    return Drawn(generator(), np.zeros(joints), np.zeros((objects, 7)), np.zeros(3))
 
 
 @compiled

@@ -9,7 +9,8 @@ import numpy as np
 from lfr.compiled import compiled
 from lfr.compiled.arrays import Physics, SceneArrays
 from lfr.compiled.contacts import contacts
-from lfr.compiled.rewards import distance, nearness
+from lfr.compiled.frames import distance, row
+from lfr.compiled.rewards import nearness
 from lfr.tasks.task import Place, Sized, Task, manipulated_object
 from lfr.tasks.waypoints import CLOSE, CUBE_FUNNEL, View, Waypoint, grasp, turn
 
@@ -27,10 +28,10 @@ def _constants(environment: Any) -> tuple[float, ...]:
 @compiled
 def _reward(physics: Physics, scene: SceneArrays) -> tuple[float, bool]:
     grasped, _ = contacts(physics, scene)
-    cube = physics.xpos[scene.objects[0]]
+    cube = row(physics.xpos, scene.objects[0])
     if cube[2] > scene.constants[TABLE_Z] + 0.04:
         return 1.0, True
-    reward = nearness(distance(physics.site_xpos[scene.grip_site], cube))
+    reward = nearness(distance(row(physics.site_xpos, scene.grip_site), cube))
     if grasped:
         reward += 0.25
     return reward / 2.25, False

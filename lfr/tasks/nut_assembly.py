@@ -10,8 +10,8 @@ import numpy as np
 from lfr.compiled import compiled
 from lfr.compiled.arrays import Physics, SceneArrays
 from lfr.compiled.contacts import contacts
-from lfr.compiled.frames import position_of
-from lfr.compiled.rewards import distance, nearness, staged
+from lfr.compiled.frames import distance, position_of, row
+from lfr.compiled.rewards import nearness, staged
 from lfr.tasks.task import EEF, Place, Task, displacement, manipulated_object, yaw
 from lfr.tasks.waypoints import (
     CLOSE,
@@ -47,8 +47,8 @@ def _constants(environment: Any) -> tuple[float, ...]:
 def _reward(physics: Physics, scene: SceneArrays) -> tuple[float, bool]:
     """One departure from stock, as in `lfr.tasks.pick_place`."""
     grasped, _ = contacts(physics, scene)
-    nut, numbers = physics.xpos[scene.objects[0]], scene.constants
-    eef = physics.site_xpos[scene.grip_site]
+    nut, numbers = row(physics.xpos, scene.objects[0]), scene.constants
+    eef = row(physics.site_xpos, scene.grip_site)
     peg = position_of(physics, scene, PEG_NUMBER)
     dx, dy = nut[0] - peg[0], nut[1] - peg[1]
     on_peg = abs(dx) < 0.03 and abs(dy) < 0.03 and nut[2] < numbers[TABLE_Z] + 0.05

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from lfr.compiled import compiled
 from lfr.compiled.arrays import Physics, SceneArrays
 from lfr.compiled.contacts import contacts
-from lfr.compiled.rewards import distance, nearness, staged
+from lfr.compiled.frames import distance, row
+from lfr.compiled.rewards import nearness, staged
 from lfr.tasks.task import Place, Task, displacement, manipulated_object
 from lfr.tasks.waypoints import CLOSE, View, Waypoint, carry, grasp, let_go, letting_go
 
@@ -42,8 +43,8 @@ def _reward(physics: Physics, scene: SceneArrays) -> tuple[float, bool]:
     Its lifting term is therefore complete during the 1.3 s until they have fallen.
     """
     grasped, _ = contacts(physics, scene)
-    can, numbers = physics.xpos[scene.objects[0]], scene.constants
-    reach = distance(physics.site_xpos[scene.grip_site], can)
+    can, numbers = row(physics.xpos, scene.objects[0]), scene.constants
+    reach = distance(row(physics.site_xpos, scene.grip_site), can)
     dx, dy = can[0] - numbers[BIN_X], can[1] - numbers[BIN_Y]
     above = abs(dx) < numbers[HALF_X] and abs(dy) < numbers[HALF_Y]
     inside = above and numbers[FLOOR_Z] < can[2] < numbers[FLOOR_Z] + 0.1

@@ -10,7 +10,8 @@ import numpy as np
 from lfr.compiled import compiled
 from lfr.compiled.arrays import Physics, SceneArrays
 from lfr.compiled.contacts import contacts
-from lfr.compiled.rewards import distance, nearness
+from lfr.compiled.frames import distance, row
+from lfr.compiled.rewards import nearness
 from lfr.tasks.task import Place, Task, displacement, manipulated_object, position
 from lfr.tasks.waypoints import (
     CLOSE,
@@ -39,8 +40,8 @@ def _constants(environment: Any) -> tuple[float, ...]:
 @compiled
 def _reward(physics: Physics, scene: SceneArrays) -> tuple[float, bool]:
     grasped, touching = contacts(physics, scene)
-    cube, other = physics.xpos[scene.objects[0]], physics.xpos[scene.objects[1]]
-    near = nearness(distance(physics.site_xpos[scene.grip_site], cube))
+    cube, other = row(physics.xpos, scene.objects[0]), row(physics.xpos, scene.objects[1])
+    near = nearness(distance(row(physics.site_xpos, scene.grip_site), cube))
     reach = near * 0.25 + (0.25 if grasped else 0.0)
     lift = 0.0
     if cube[2] > scene.constants[TABLE_Z] + 0.04:
