@@ -3,7 +3,9 @@
     python -m benchmarks.experts [--attempts 50] [--out results/benchmarks]
 
 Attempts are those of the record stage: drifted starts, noise, pushes and slips, recorded labels
-clean. For the arms whose robosuite models are mended, the same is measured without the repairs.
+clean. The same is measured with half the attempts undisturbed (drifted starts alone), which tells
+what an arm cannot do from what a slip undoes, and for the arms whose robosuite models are mended,
+without the repairs.
 """
 
 from __future__ import annotations
@@ -11,7 +13,7 @@ from __future__ import annotations
 import argparse
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -20,6 +22,7 @@ from lfr.artifacts import provenance, write_json
 from lfr.embodiments import embodiment, embodiments
 from lfr.jobs import Job, run_jobs
 from lfr.params import read_section
+from lfr.robots import ROBOTS
 from lfr.robots.repair import Repair
 from lfr.tasks import TASKS
 
@@ -28,24 +31,31 @@ BEGIN, END = "<!-- experts -->", "<!-- /experts -->"
 """Between these the page shows `table`."""
 
 
+Condition = Literal["recorded", "undisturbed", "unrepaired"]
+
+
 @dataclass(frozen=True)
 class Trial:
-    """``attempts`` of the expert on an embodiment at a task, with or without the arm's repairs."""
+    """``attempts`` of the expert on an embodiment at a task."""
 
     name: str
     task: str
     attempts: int
-    repaired: bool = True
+    condition: Condition = "recorded"
 
 
 def trials(attempts: int) -> list[Trial]:
-    """Everything repaired, then what repairs change under the default controller."""
-    every = [Trial(body.name, task, attempts) for body in embodiments() for task in TASKS]
-    broken = [body.name for body in embodiments() if body.robot.repairs != Repair()]
-    default = [name for name in broken if embodiment(name).robot.name == name]
-    return every + [
-        Trial(name, task, max(1, attempts // 2), repaired=False)
-        for name in default
+    """What is recorded, the same undisturbed, and what repairs change under OSC_POSE."""
+    every, half = [body.name for body in embodiments()], max(1, attempts // 2)
+    broken = [r.name for r in ROBOTS.values() if r.repairs != Repair()]
+    return [
+        Trial(name, task, attempts if condition == "recorded" else half, condition)
+        for names, condition in (
+            (every, "recorded"),
+            (every, "undisturbed"),
+            (broken, "unrepaired"),
+        )
+        for name in names
         for task in TASKS
     ]
 
@@ -57,10 +67,13 @@ def run_trial(trial: Trial) -> dict[str, Any]:
     from lfr.seeds import episode_seed
     from lfr.sim.simulation import Simulation
 
-    if not trial.repaired:
+    if trial.condition == "unrepaired":
         _break(trial.name)
     simulation, lengths = Simulation(trial.name, trial.task), []
     params = read_section(RecordParams, "record").attempt
+    if trial.condition == "undisturbed":
+        quiet = replace(params.expert, noise=0.0, perturbation=0.0, slip=0.0)
+        params = replace(params, expert=quiet)
     for index in range(trial.attempts):
         moments = list(attempt(simulation, params, episode_seed("demonstration", index)))
         if any(moment.success for moment in moments):
@@ -68,7 +81,7 @@ def run_trial(trial: Trial) -> dict[str, Any]:
     return {
         "embodiment": trial.name,
         "task": trial.task,
-        "repaired": trial.repaired,
+        "condition": trial.condition,
         "attempts": trial.attempts,
         "successes": len(lengths),
         "median_steps": float(np.median(lengths)) if lengths else None,
@@ -76,29 +89,27 @@ def run_trial(trial: Trial) -> dict[str, Any]:
 
 
 def table(rows: list[dict[str, Any]]) -> str:
-    """Percent of attempts that succeed, as Markdown; in brackets without the arm's repairs."""
-    found = {(r["embodiment"], r["task"], r["repaired"]): r for r in rows}
-    names = list(dict.fromkeys(row["embodiment"] for row in rows))
-    lines = []
-    for name in names:
-        cells = [_share(found, name, task) for task in TASKS]
-        lines.append(f"| `{name}` | {' | '.join(cells)} |")
+    """Percent of attempts that succeed, recorded / undisturbed (unrepaired), as Markdown."""
+    cells = {
+        (row["embodiment"], row["task"], row["condition"]): round(
+            100 * row["successes"] / row["attempts"]
+        )
+        for row in rows
+    }
+
+    def cell(name: str, task: str) -> str:
+        unrepaired = cells.get((name, task, "unrepaired"))
+        text = f"{cells[name, task, 'recorded']} / {cells[name, task, 'undisturbed']}"
+        return text if unrepaired is None else f"{text} ({unrepaired})"
+
+    names = dict.fromkeys(row["embodiment"] for row in rows)
+    lines = [f"| `{name}` | {' | '.join(cell(name, task) for task in TASKS)} |" for name in names]
     head = f"| | {' | '.join(task.stock_name for task in TASKS.values())} |"
     return "\n".join([head, "|---" * (len(TASKS) + 1) + "|", *lines])
 
 
-def _share(found: dict[tuple[str, str, bool], dict[str, Any]], name: str, task: str) -> str:
-    shares = [
-        f"{100 * row['successes'] / row['attempts']:.0f}"
-        for repaired in (True, False)
-        if (row := found.get((name, task, repaired)))
-    ]
-    return f"{shares[0]} ({shares[1]})" if len(shares) > 1 else shares[0]
-
-
 def _break(name: str) -> None:
     """In this process, the arm as robosuite has it."""
-    from lfr.robots import ROBOTS
     from lfr.sim import scene_cache, simulation
 
     robot = ROBOTS[name]
@@ -118,14 +129,14 @@ def main() -> None:
     every = trials(arguments.attempts)
     if arguments.only:
         every = [trial for trial in every if trial.name.split("-")[0] == arguments.only]
-    jobs = [Job(run_trial, trial) for trial in every if trial.repaired]
+    jobs = [Job(run_trial, trial) for trial in every if trial.condition != "unrepaired"]
     rows = list(run_jobs(jobs, description="experts", unit="trial").values())
     # One after the other in this process, which has no other arm's trials to come.
-    rows += [run_trial(trial) for trial in every if not trial.repaired]
+    rows += [run_trial(trial) for trial in every if trial.condition == "unrepaired"]
     for row in rows:
         print(
             f"{row['embodiment']:32s}{row['task']:14s}{row['successes']:3d} of {row['attempts']}"
-            f"{'' if row['repaired'] else '  as robosuite has it'}"
+            f"  {row['condition']}"
         )
     if not arguments.only:
         path = arguments.out / "experts.json"

@@ -88,8 +88,8 @@ class Repair:
 
 
 NEARER = Repair(
-    why=("The base stands 10 cm nearer, since the bin and the peg are out of its reach.",),
-    shifts=(("body", "robot0_base", (0.1, 0.0, 0.0)),),
+    why=("The base stands 7.5 cm nearer, since the bin and the peg are out of its reach.",),
+    shifts=(("body", "robot0_base", (0.075, 0.0, 0.0)),),
 )
 """For arms whose reach, from where robosuite puts every base, ends before the bin and the peg."""
 
