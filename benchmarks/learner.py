@@ -32,7 +32,7 @@ from lfr.transfer.transfer_params import TransferParams
 
 OBSERVATION = 30  # of NutAssembly, the widest
 ROWS = 5_000  # in the replay buffers
-ROUND = 40  # updates timed at a time
+ROUND = 48  # updates timed at a time
 RATIO_GOAL, RATE_GOAL = 2.0, 250.0  # against Stable-Baselines3; updates/s
 
 
@@ -64,8 +64,9 @@ def ours(params: TransferParams) -> Measurement:
 
     def measure() -> float:
         began = time.process_time()
-        for _ in range(ROUND):
-            learner.update(replay.sample(params.batch, generator))
+        due = round(params.updates_per_skill * params.simulations)  # as the transfer loop does
+        for _ in range(0, ROUND, due):
+            learner.update(replay.sample(due * params.batch, generator), due)
         return ROUND / (time.process_time() - began)
 
     return measure

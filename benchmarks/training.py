@@ -2,7 +2,7 @@
 
     python -m benchmarks.training [--episodes 10000] [--steps 300] [--out results/benchmarks]
 
-The stages' own jobs run (`fit_vae`, `fit_prior`, `fit_mapping`: reading and checking the datasets,
+The stages' own jobs run (`fit_vae`, `fit_priors`, `fit_mapping`: reading and checking the datasets,
 training, saving, and the report on held-out episodes) with the parameters of params.yaml, but for
 the number of gradient steps: no step keeps anything, so more of them take no more memory. At this
 size there are no moved copies: `lfr.skills.rows.MOST_ROWS` leaves no room for them. The skill
@@ -33,7 +33,7 @@ from lfr.params import read_section
 from lfr.progress import progress
 from lfr.scenarios import Role, Scenario, transfers_of, visible_tasks
 from lfr.skills.library import transfer_models
-from lfr.skills.model_jobs import PriorTraining, VAETraining, fit_prior, fit_vae
+from lfr.skills.model_jobs import PriorsTraining, VAETraining, fit_priors, fit_vae
 from lfr.skills.skill_params import SkillsParams
 
 GIB = 2**30
@@ -63,12 +63,11 @@ class Fits:
         return Job(fit_vae, self._vae("target", self.large))
 
     def prior(self) -> Job:
-        return Job(fit_prior, PriorTraining(self._vae("target", self.large), "lift"))
+        return Job(fit_priors, PriorsTraining(self._vae("target", self.large), ("lift",)))
 
     def source(self) -> list[Job]:
         vae = self._vae("source", self.few)
-        priors = [Job(fit_prior, PriorTraining(vae, task)) for task in vae.tasks]
-        return [Job(fit_vae, vae), *priors]
+        return [Job(fit_vae, vae), Job(fit_priors, PriorsTraining(vae, vae.tasks))]
 
     def generators(self) -> Job:
         skills = transfer_models(SCENARIO, TRANSFER, self.folder / "skills")

@@ -57,7 +57,7 @@ def _gather(jobs: ModelJobs, models: Path, out: Path) -> None:
         partial.mkdir()
         for vae, priors in jobs.items():
             folder = vae.spec.models
-            for model in (folder.vae, *(folder.prior(prior.spec.task) for prior in priors)):
+            for model in (folder.vae, *map(folder.prior, priors.spec.tasks)):
                 shutil.copytree(model, partial / model.relative_to(models))
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from lfr.evaluation.trials import Trial, success_rate, trial_jobs
 from lfr.jobs import run_jobs
-from lfr.skills.model_jobs import ModelJobs, PriorTraining, model_report
+from lfr.skills.model_jobs import ModelJobs, PriorsTraining, model_report
 from lfr.skills.skill_policy import SkillFiles
 
 
@@ -24,19 +24,20 @@ def train_and_measure(
     Returns:
         `lfr.skills.model_jobs.model_report`, with the success of each prior as ``own_arm``.
     """
-    priors = list(itertools.chain(*models.values()))
-    shards = {
-        prior: trial_jobs(own_arm(prior.spec, episodes), (prior,)) for prior in priors if episodes
+    trials = {
+        (priors, task): trial_jobs(own_arm(priors.spec, task, episodes), (priors,))
+        for priors in models.values()
+        for task in (priors.spec.tasks if episodes else ())
     }
-    jobs = [*models, *priors, *itertools.chain(*shards.values())]
+    jobs = [*models, *models.values(), *itertools.chain(*trials.values())]
     done = run_jobs(jobs, work=work, description=description, unit="part")
-    for prior, trial in shards.items():
-        done[prior]["own_arm"] = success_rate(trial, done)
+    for (priors, task), trial in trials.items():
+        done[priors][task]["own_arm"] = success_rate(trial, done)
     return model_report(models, done)
 
 
-def own_arm(prior: PriorTraining, episodes: int) -> Trial:
+def own_arm(priors: PriorsTraining, task: str, episodes: int) -> Trial:
     """A prior on its own arm and task, with the decoder of the VAE that it was trained for."""
-    models = prior.vae.models
-    files = SkillFiles(str(models.prior(prior.task)), str(models.vae))
-    return Trial(files, prior.vae.robot, prior.task, episodes)
+    models = priors.vae.models
+    files = SkillFiles(str(models.prior(task)), str(models.vae))
+    return Trial(files, priors.vae.robot, task, episodes)

@@ -18,6 +18,7 @@ from lfr.artifacts import as_json
 from lfr.errors import LfrError, MissingLibraryError
 from lfr.jobs.here import one_thread
 from lfr.jobs.job import Job
+from lfr.jobs.memory import keep_freed_memory
 from lfr.jobs.order import Order
 from lfr.jobs.results import Results, listening
 
@@ -84,6 +85,7 @@ def _on_node(
         node = os.uname().nodename
         raise LfrError(f"node {node} has no folder {folder}; share the project's folder with it")
     os.chdir(folder)
+    keep_freed_memory()
     with one_thread(), listening(partial(board.put.remote, number)):
         return as_json(function(spec))
 

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from functools import partial
 
 from lfr.artifacts import as_json
+from lfr.jobs.memory import keep_freed_memory
 from lfr.jobs.order import Order
 from lfr.jobs.results import Results, listening
 
@@ -21,6 +22,7 @@ ONE_THREAD = {
 
 def run_here(order: Order, results: Results) -> None:
     """Run the jobs here; what they raise comes through as it is."""
+    keep_freed_memory()
     with one_thread():
         while (job := order.next()) is not None:
             with listening(partial(results.report, job)):

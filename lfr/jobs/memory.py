@@ -1,12 +1,30 @@
-"""Peak memory of this process and of the workers that it has had."""
+"""Memory of this process and of the workers that it has had: the peak, and what is kept of it."""
 
 from __future__ import annotations
 
+import ctypes
 import resource
 import sys
 
 _UNIT = 1 if sys.platform == "darwin" else 1024  # of ru_maxrss, bytes
 _workers = 0
+
+# Parameters of glibc's mallopt (malloc.h) and bytes
+_MMAP_THRESHOLD, _TRIM_THRESHOLD, _TOP_PAD = -3, -1, -2
+_KEPT = 2**29
+
+
+def keep_freed_memory() -> None:
+    """Let this process's allocator reuse what is freed, in place of returning it to the system.
+
+    A training step frees and asks for the same megabytes again; each time the system clears them
+    page by page, up to a fifth of the time. Where the C library is not glibc nothing changes.
+    """
+    mallopt = getattr(ctypes.CDLL(None), "mallopt", None)
+    if mallopt is not None:
+        mallopt(_MMAP_THRESHOLD, _KEPT)
+        mallopt(_TRIM_THRESHOLD, _KEPT)
+        mallopt(_TOP_PAD, 2**26)
 
 
 def peak_memory() -> int:

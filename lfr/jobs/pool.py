@@ -22,7 +22,7 @@ from lfr.artifacts import as_json
 from lfr.errors import LfrError
 from lfr.jobs.here import one_thread
 from lfr.jobs.job import Job
-from lfr.jobs.memory import note_worker, own_peak
+from lfr.jobs.memory import keep_freed_memory, note_worker, own_peak
 from lfr.jobs.order import Order
 from lfr.jobs.results import Results, listening
 
@@ -117,6 +117,7 @@ def _work(pipe: Connection) -> None:
     """A worker's life: run jobs until the pipe ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the parent, which ends us
     threading.Thread(target=_end_with_parent, daemon=True).start()
+    keep_freed_memory()
     with listening(lambda fraction: pipe.send(("report", fraction))):
         while True:
             try:

@@ -15,7 +15,13 @@ from lfr.artifacts import fingerprint
 from lfr.embodiments import embodiment, may_share_actions
 from lfr.external import ExternalArm
 from lfr.mapping.map_quality import common_report, decoded_difference, new_task_report
-from lfr.mapping.mapping_training import ActionWindows, CommonTask, MappingParams, train_mapping
+from lfr.mapping.mapping_training import (
+    ActionWindows,
+    CommonTask,
+    MappingParams,
+    drawn_pairs,
+    train_mapping,
+)
 from lfr.mapping.saved_generators import MappingSeen, save_generator
 from lfr.scenarios import Role, Scenario, Transfer
 from lfr.skills.demonstrations import DATASETS, Demonstrations, balanced, read_visible
@@ -95,7 +101,9 @@ def fit_mapping(job: MappingJob) -> dict[str, Any]:
     vaes = load_vae(arms[0].vae()), load_vae(arms[1].vae())
     seed = int(fingerprint(transfer.name, job.seed), 16) % 2**31
     known = read_material(job, seed)
-    g, f = train_mapping(list(known.training.values()), vaes, known.windows, job.params, seed)
+    tasks = list(known.training.values())
+    pairs = drawn_pairs(tasks, vaes, known.windows, job.params, seed)
+    g, f = train_mapping(pairs, job.params, seed)
     seen = MappingSeen(
         transfer.name, transfer.source, transfer.target, (arms[0].name, arms[1].name),
         transfer.common, known.datasets, seed,

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import torch
@@ -10,11 +11,15 @@ from torch import Tensor, nn
 
 from lfr.mapping.generator import Generator
 from lfr.mapping.losses import mapping_loss
+from lfr.networks.optimizer import FlatAdam, annealed, clip_norm, flatten_parameters, trainable
 from lfr.skills.augmentation import augment
 from lfr.skills.prior import SkillPrior
-from lfr.skills.rows import thinned
 from lfr.skills.symmetry import SymmetryParams, moved_states
 from lfr.skills.vae import CHUNK, SkillVAE
+
+MOST_NORM = 50.0  # of the gradient
+PAIRS = 2**17
+"""Made once and drawn from again and again: far more than the numbers that G and F learn."""
 
 
 @dataclass(frozen=True)
@@ -54,83 +59,85 @@ class ActionWindows(NamedTuple):
     names: tuple[str, ...]
 
 
+class Pairs(NamedTuple):
+    """Skill distributions of the two arms for the same states or actions, (N, 2Z) each."""
+
+    k_x: Tensor
+    k_y: Tensor
+
+
 @torch.no_grad()
-def paired(task: CommonTask, observations: Tensor) -> tuple[Tensor, Tensor]:
+def paired(task: CommonTask, observations: Tensor) -> Pairs:
     """k_x and k_y (B, 2Z): what either arm would do in the same states (lines 5 to 7)."""
     k_x, k_y = (
         torch.cat([torch.cat(prior(some), dim=-1) for some in observations.split(CHUNK)])
         for prior in (task.prior_x, task.prior_y)
     )
-    return k_x, k_y
+    return Pairs(k_x, k_y)
 
 
-def train_mapping(
-    tasks: list[CommonTask],
-    encoders: tuple[SkillVAE, SkillVAE],
-    windows: ActionWindows | None,
-    params: MappingParams,
-    seed: int,
-) -> tuple[Generator, Generator]:
+def train_mapping(pairs: Pairs, params: MappingParams, seed: int) -> tuple[Generator, Generator]:
     """G: X -> Y and F: Y -> X, by Algorithm 1.
 
     Algorithm 1 draws a common task and a state in each iteration, predicts both arms'
     distributions, maps them and descends on Eq. 4. Lines 9 and 10 map one way only, depending on
     whose state it is; here every pair trains both ways, which are the same two terms of Eq. 5.
+    """
+    torch.manual_seed(seed)
+    generator = torch.Generator().manual_seed(seed)
+    latent_dim = pairs.k_x.shape[1] // 2
+    g, f = (Generator(latent_dim, params.hidden, params.layers) for _ in range(2))
+    g.fit_scales(pairs.k_x, pairs.k_y)
+    f.fit_scales(pairs.k_y, pairs.k_x)
+    networks = nn.ModuleList([g.network, f.network])
+    weights = trainable(networks)
+    adam = FlatAdam(flatten_parameters(networks), params.learning_rate)
+    for step in range(params.steps):
+        index = torch.randint(len(pairs.k_x), (params.batch,), generator=generator)
+        loss = mapping_loss(g, f, pairs.k_x[index], pairs.k_y[index], params.cycle_weight)
+        gradient = torch.cat([one.reshape(-1) for one in torch.autograd.grad(loss, weights)])
+        adam.lr = annealed(params.learning_rate, step, params.steps)
+        adam.descend(clip_norm(gradient, MOST_NORM))
+    return g.eval(), f.eval()
+
+
+def drawn_pairs(
+    tasks: Sequence[CommonTask],
+    encoders: tuple[SkillVAE, SkillVAE],
+    windows: ActionWindows | None,
+    params: MappingParams,
+    seed: int,
+    count: int = PAIRS,
+) -> Pairs:
+    """What G and F learn from: ``count`` pairs, or a few less.
+
+    Both arms' predictions at moved, blurred states, of every task as many, and the share of them
+    that the parameters say both encoders' posteriors of the same augmented windows.
 
     Args:
-        tasks: the common tasks; each is drawn equally often.
+        tasks: the common tasks.
         encoders: the source's and the target's skill VAE.
         windows: of the common tasks by both arms, used if ``posterior_share`` > 0; None else, as
             where the two arms' actions are different things.
     """
-    torch.manual_seed(seed)
     generator = torch.Generator().manual_seed(seed)
-    latent_dim = tasks[0].prior_x.latent_dim
-    g = Generator(latent_dim, params.hidden, params.layers)
-    f = Generator(latent_dim, params.hidden, params.layers)
-    tasks = [
-        replace(
-            task,
-            observations=moved_states(
-                task.observations, task.prior_x.layout_names, params.symmetry, generator
-            ),
-        )
-        for task in tasks
-    ]
-    known = [paired(task, thinned(task.observations)) for task in tasks]
-    k_x = torch.cat([pair[0] for pair in known])
-    k_y = torch.cat([pair[1] for pair in known])
-    g.fit_scales(k_x, k_y)
-    f.fit_scales(k_y, k_x)
-    weights = [*g.network.parameters(), *f.network.parameters()]
-    optimizer = torch.optim.Adam(weights, params.learning_rate, fused=True)
-    schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimizer, max(params.steps, 1))
-    posteriors = 0 if windows is None else round(params.posterior_share * params.batch)
-    per_task = (params.batch - posteriors) // len(tasks)
-    for _ in range(params.steps):
-        pairs = [_sample(task, per_task, params.state_noise, generator) for task in tasks]
-        if posteriors and windows is not None:
-            pairs.append(_posteriors(encoders, windows, posteriors, generator))
-        k_x = torch.cat([pair[0] for pair in pairs])
-        k_y = torch.cat([pair[1] for pair in pairs])
-        loss = mapping_loss(g, f, k_x, k_y, params.cycle_weight)
-        optimizer.zero_grad(set_to_none=True)
-        loss.backward()
-        nn.utils.clip_grad_norm_(weights, 50.0, foreach=True)
-        optimizer.step()
-        schedule.step()
-    return g.eval(), f.eval()
+    posteriors = 0 if windows is None else round(params.posterior_share * count)
+    per_task = (count - posteriors) // len(tasks)
+    pairs = [_predictions(task, per_task, params, generator) for task in tasks]
+    if windows is not None and posteriors:
+        pairs.append(_posteriors(encoders, windows, posteriors, generator))
+    return Pairs(torch.cat([pair.k_x for pair in pairs]), torch.cat([pair.k_y for pair in pairs]))
 
 
-def _sample(
-    task: CommonTask, count: int, noise: float, generator: torch.Generator
-) -> tuple[Tensor, Tensor]:
-    """Pairs at ``count`` states drawn from the task's, blurred."""
-    index = torch.randint(len(task.observations), (count,), generator=generator)
-    observations = task.observations[index]
-    blur = noise * task.prior_x.normalizer.noise_scale()
-    observations = observations + blur * torch.randn(observations.shape, generator=generator)
-    return paired(task, observations)
+def _predictions(
+    task: CommonTask, count: int, params: MappingParams, generator: torch.Generator
+) -> Pairs:
+    """Pairs at ``count`` states drawn from the task's and their moved copies, blurred."""
+    names = task.prior_x.layout_names
+    states = moved_states(task.observations, names, params.symmetry, generator)
+    states = states[torch.randint(len(states), (count,), generator=generator)]
+    blur = params.state_noise * task.prior_x.normalizer.noise_scale()
+    return paired(task, states + blur * torch.randn(states.shape, generator=generator))
 
 
 @torch.no_grad()
@@ -139,9 +146,9 @@ def _posteriors(
     windows: ActionWindows,
     count: int,
     generator: torch.Generator,
-) -> tuple[Tensor, Tensor]:
+) -> Pairs:
     """What both encoders make of the same, augmented windows: pairs beyond the common tasks."""
     index = torch.randint(len(windows.actions), (count,), generator=generator)
     actions = augment(windows.actions[index], windows.names, generator)
-    k_x, k_y = (torch.cat(encoder.encode(actions), dim=-1) for encoder in encoders)
-    return k_x, k_y
+    k_x, k_y = (torch.cat(encoder.encode_all(actions), dim=-1) for encoder in encoders)
+    return Pairs(k_x, k_y)

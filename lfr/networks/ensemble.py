@@ -1,6 +1,7 @@
 """E multilayer perceptrons of one shape, computed as one, with their gradient written out.
 
-    x (E, B, in) -> [linear -> layer norm, scale and shift -> ReLU] * hidden -> linear -> (E, B)
+    x (E, B, in) -> [linear -> layer norm, scale and shift -> leaky ReLU] * hidden
+                 -> linear -> (E, B, out)
 
 All parameters are one vector, layer by layer: weight (E, in, out), bias (E, 1, out) and, where the
 layer is normalised, scale (E, 1, out) and shift (E, 1, out). The gradient is written straight into
@@ -19,6 +20,7 @@ from typing import NamedTuple
 
 import torch
 from torch import Tensor
+from torch.nn import functional
 
 LAYER_NORM_EPSILON = 1e-5  # nn.LayerNorm's
 
@@ -44,11 +46,19 @@ class Trace(NamedTuple):
 
 @dataclass(frozen=True)
 class Shape:
-    """``ensemble`` networks of ``widths``, from the inputs to the last hidden layer."""
+    """``ensemble`` networks of ``widths``, from the inputs to the last hidden layer.
+
+    Attributes:
+        layer_norm: before every activation.
+        outputs: width of the last, linear layer.
+        slope: of the activation below zero; 0 is the ReLU.
+    """
 
     ensemble: int
     widths: tuple[int, ...]
-    layer_norm: bool
+    layer_norm: bool = False
+    outputs: int = 1
+    slope: float = 0.0
 
     @functools.cached_property
     def sizes(self) -> list[list[tuple[int, ...]]]:
@@ -59,7 +69,8 @@ class Shape:
             found.append(
                 [(self.ensemble, inputs, outputs), row, *([row, row] if self.layer_norm else [])]
             )
-        return [*found, [(self.ensemble, self.widths[-1], 1), (self.ensemble, 1, 1)]]
+        last = (self.ensemble, self.widths[-1], self.outputs), (self.ensemble, 1, self.outputs)
+        return [*found, list(last)]
 
     def layers(self, vector: Tensor) -> list[Layer]:
         """The vector (P,) as layers, of which the last one is only linear."""
@@ -80,24 +91,26 @@ class Shape:
         return vector
 
 
-def evaluate(layers: Sequence[Layer], x: Tensor) -> tuple[Tensor, list[Trace]]:
-    """The outputs (E, B) for inputs (E, B, in), and the traces that ``differentiate`` takes."""
+def evaluate(layers: Sequence[Layer], x: Tensor, slope: float = 0.0) -> tuple[Tensor, list[Trace]]:
+    """Outputs (E, B, out) for inputs (E, B, in), and the traces that ``differentiate`` takes."""
     traces = []
     for weight, bias, scale, shift in layers[:-1]:
         linear = torch.baddbmm(bias, x, weight)
         if scale is None or shift is None:
             traces.append(Trace(x, linear))
-            x = linear.relu()
+            x = functional.leaky_relu(linear, slope)
             continue
         normalised, mean, rstd = torch.native_layer_norm(
             linear, [linear.shape[2]], None, None, LAYER_NORM_EPSILON
         )
         traces.append(Trace(x, linear, normalised, mean, rstd))
-        x = torch.addcmul(shift, normalised, scale).relu_()
+        x = functional.leaky_relu_(torch.addcmul(shift, normalised, scale), slope)
     weight, bias, *_ = layers[-1]
-    # A matrix product with a single column is slower than this.
-    output = (x * weight.transpose(1, 2)).sum(-1, keepdim=True).add_(bias)
-    return output.squeeze(-1), [*traces, Trace(x, output)]
+    if weight.shape[2] == 1:  # a matrix product with a single column is slower than this
+        output = (x * weight.transpose(1, 2)).sum(-1, keepdim=True).add_(bias)
+    else:
+        output = torch.baddbmm(bias, x, weight)
+    return output, [*traces, Trace(x, output)]
 
 
 def differentiate(
@@ -105,22 +118,27 @@ def differentiate(
     traces: Sequence[Trace],
     gradient: Tensor,
     into: Sequence[Layer] | None = None,
+    slope: float = 0.0,
 ) -> Tensor | None:
-    """The chain rule, from a gradient by the outputs (E, B) back through all layers.
+    """The chain rule, from a gradient by the outputs (E, B, out) back through all layers.
 
     With ``into`` the gradient by the parameters is written there and None is returned; without,
     the gradient by the inputs (E, B, in) is returned.
     """
-    top = gradient[:, :, None]  # (E, B, 1)
     weight, (x, *_) = layers[-1].weight, traces[-1]
+    single = weight.shape[2] == 1
     if into is not None:
-        torch.sum((x * top).transpose(1, 2), 2, keepdim=True, out=into[-1].weight)
-        torch.sum(top, 1, keepdim=True, out=into[-1].bias)
-    g = top * weight.transpose(1, 2)  # by the hidden layer's output, (E, B, out)
+        if single:
+            torch.sum((x * gradient).transpose(1, 2), 2, keepdim=True, out=into[-1].weight)
+        else:
+            torch.bmm(x.transpose(1, 2), gradient, out=into[-1].weight)
+        torch.sum(gradient, 1, keepdim=True, out=into[-1].bias)
+    above = weight.transpose(1, 2)
+    g = gradient * above if single else torch.bmm(gradient, above)  # by the last hidden layer
     for i in range(len(layers) - 2, -1, -1):
         weight, _, scale, _ = layers[i]
         below, linear, normalised, mean, rstd = traces[i]
-        g = torch.ops.aten.threshold_backward(g, traces[i + 1].x, 0)  # the ReLU
+        g = torch.ops.aten.leaky_relu_backward(g, traces[i + 1].x, slope, True)
         if scale is not None and normalised is not None:
             if into is not None:
                 torch.sum(g * normalised, 1, keepdim=True, out=into[i].scale)

@@ -18,6 +18,17 @@ def kl_divergence(mu_p: Tensor, log_sigma_p: Tensor, mu_q: Tensor, log_sigma_q: 
     return 0.5 * (ratio + difference.square() - 1.0).sum(-1) + (log_sigma_q - log_sigma_p).sum(-1)
 
 
+def kl_slopes(
+    mu_p: Tensor, log_sigma_p: Tensor, mu_q: Tensor, log_sigma_q: Tensor
+) -> tuple[Tensor, Tensor]:
+    """The gradient of `kl_divergence` by q's mu and log_sigma, (..., Z) each."""
+    precision = torch.exp(-2.0 * log_sigma_q)
+    difference = mu_q - mu_p
+    by_mu = difference * precision
+    ratio = torch.exp(2.0 * log_sigma_p) * precision
+    return by_mu, 1.0 - ratio - difference * by_mu
+
+
 def kl_to_standard_normal(mu: Tensor, log_sigma: Tensor) -> Tensor:
     """KL(N(mu, sigma) || N(0, I)), summed over the latent dimensions, (...,)."""
     return 0.5 * (torch.exp(2.0 * log_sigma) + mu.square() - 1.0).sum(-1) - log_sigma.sum(-1)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -20,12 +20,12 @@ from lfr.skills.library import SkillFolder, skill_folder, tasks_name
 from lfr.skills.prior import SkillPrior
 from lfr.skills.saved_models import Seen, load_vae, save_prior, save_vae
 from lfr.skills.skill_params import SkillsParams
-from lfr.skills.skill_training import train_prior, train_vae
+from lfr.skills.skill_training import PriorMaterial, train_priors, train_vae
 from lfr.skills.symmetry import AS_RECORDED
 from lfr.skills.vae import CHUNK, SkillVAE, reconstruction_rmse
 
-ModelJobs = Mapping[Job, Sequence[Job]]
-"""Jobs of skill VAEs, each with those of its priors, which need it."""
+ModelJobs = Mapping[Job, Job]
+"""Jobs of skill VAEs, each with that of its priors, which needs it."""
 
 
 @dataclass(frozen=True)
@@ -53,11 +53,11 @@ class VAETraining:
 
 
 @dataclass(frozen=True)
-class PriorTraining:
-    """A skill prior of one task to train for the latent space of a VAE that has been."""
+class PriorsTraining:
+    """The skill priors of some tasks to train for the latent space of a VAE that has been."""
 
     vae: VAETraining
-    task: str
+    tasks: tuple[str, ...]
 
 
 def model_jobs(
@@ -82,7 +82,7 @@ def model_jobs(
             robot, tasks, _suited(params, arm), seed, str(folder), str(datasets), arm
         )
         vae = Job(fit_vae, spec)
-        jobs[vae] = [Job(fit_prior, PriorTraining(spec, task), (vae,)) for task in priors]
+        jobs[vae] = Job(fit_priors, PriorsTraining(spec, priors), (vae,))
     return jobs
 
 
@@ -93,11 +93,9 @@ def model_report(jobs: ModelJobs, done: Mapping[Job, Any]) -> dict[str, dict[str
     divergence of its posterior to N(0, I), and of the posterior to each prior.
     """
     return {
-        tasks_name(vae.spec.tasks): {
-            **done[vae], "prior": {prior.spec.task: done[prior] for prior in priors},
-        }
+        tasks_name(vae.spec.tasks): {**done[vae], "prior": done[priors]}
         for vae, priors in jobs.items()
-    }  # fmt: skip
+    }
 
 
 def fit_vae(spec: VAETraining) -> dict[str, Any]:
@@ -115,21 +113,26 @@ def fit_vae(spec: VAETraining) -> dict[str, Any]:
     }
 
 
-def fit_prior(spec: PriorTraining) -> dict[str, Any]:
-    """Train and save a skill prior; its held-out report."""
-    demonstrations = _read(spec.vae, (spec.task,))
-    known = demonstrations[spec.task]
-    vae, params = load_vae(spec.vae.models.vae), spec.vae.params.prior
-    seed = model_seed(spec.vae, spec.task)
-    start, actions = known.training.observations, known.training.actions
-    names = known.actions.names
-    prior = train_prior(vae, start, actions, known.names, names, params, seed)
-    seen = _seen(spec.vae.robot, demonstrations, seed)
-    save_prior(spec.vae.models.prior(spec.task), prior, seen)
-    return {
-        "kl_training": _mean(divergence(vae, prior, known.training)),
-        "kl_held_out": _mean(divergence(vae, prior, known.held_out)),
-    }
+def fit_priors(spec: PriorsTraining) -> dict[str, dict[str, Any]]:
+    """Train and save skill priors; their held-out reports by task."""
+    demonstrations, vae = _read(spec.vae, spec.tasks), load_vae(spec.vae.models.vae)
+    materials = [
+        PriorMaterial(
+            known.training.observations, known.training.actions, known.names,
+            known.actions.names, model_seed(spec.vae, task),
+        )
+        for task, known in demonstrations.items()
+    ]  # fmt: skip
+    priors = train_priors(vae, materials, spec.vae.params.prior)
+    reports = {}
+    for (task, known), prior in zip(demonstrations.items(), priors, strict=True):
+        seen = _seen(spec.vae.robot, {task: known}, model_seed(spec.vae, task))
+        save_prior(spec.vae.models.prior(task), prior, seen)
+        reports[task] = {
+            "kl_training": _mean(divergence(vae, prior, known.training)),
+            "kl_held_out": _mean(divergence(vae, prior, known.held_out)),
+        }
+    return reports
 
 
 @torch.no_grad()

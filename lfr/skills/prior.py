@@ -8,7 +8,6 @@ from itertools import pairwise
 import torch
 from torch import Tensor, nn
 
-from lfr.skills.gaussian import kl_divergence
 from lfr.skills.vae import LOG_SIGMA_RANGE
 from lfr.spaces import space
 
@@ -20,6 +19,8 @@ FINE_SCALE = 0.01
 # Likewise the tilt of a hand that should point straight down, in rad. It is a cross product of the
 # rotation's columns, which a small network that sees tilts of a few hundredths hardly finds.
 TILT_SCALE = 0.1
+
+NEGATIVE_SLOPE = 0.2  # of the activations
 
 
 class Normalizer(nn.Module):
@@ -84,18 +85,17 @@ class SkillPrior(nn.Module):
         widths = [self.normalizer.size] + [hidden] * layers
         blocks: list[nn.Module] = []
         for inputs, outputs in pairwise(widths):
-            blocks += [nn.Linear(inputs, outputs), nn.LeakyReLU(0.2)]
+            blocks += [nn.Linear(inputs, outputs), nn.LeakyReLU(NEGATIVE_SLOPE)]
         self.network = nn.Sequential(*blocks, nn.Linear(hidden, 2 * latent_dim))
 
     def forward(self, observations: Tensor) -> tuple[Tensor, Tensor]:
-        mu, log_sigma = self.network(self.normalizer(observations)).chunk(2, dim=-1)
+        return self.of_features(self.features(observations))
+
+    def features(self, observations: Tensor) -> Tensor:
+        """What the network sees of observations (B, D): (B, inputs), by no trained parameter."""
+        return self.normalizer(observations)
+
+    def of_features(self, features: Tensor) -> tuple[Tensor, Tensor]:
+        """``(mu, log_sigma)`` (B, Z) each, for the `features` of observations."""
+        mu, log_sigma = self.network(features).chunk(2, dim=-1)
         return mu, log_sigma.clamp(*LOG_SIGMA_RANGE)
-
-
-def task_loss(prior: SkillPrior, observations: Tensor, mu_z: Tensor, log_sigma_z: Tensor) -> Tensor:
-    """L_task of Eq. 3: KL([q(z|a)] || p_a(z|s)), the posterior frozen, mean over the batch.
-
-    Its gradient with respect to the prior is that of SPiRL's negative log-likelihood on z.
-    """
-    mu_p, log_sigma_p = prior(observations)
-    return kl_divergence(mu_z.detach(), log_sigma_z.detach(), mu_p, log_sigma_p).mean()

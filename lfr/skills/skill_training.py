@@ -1,17 +1,27 @@
-"""Training of a skill VAE and of skill priors on windows of demonstrations (Eq. 2 and 3)."""
+"""Training of a skill VAE and of skill priors on windows of demonstrations (Eq. 2 and 3).
+
+Batches are drawn, blurred and moved many steps at a time: on small networks each operation costs
+more to call than to carry out.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import torch
-from torch import Tensor, nn
+from torch import Tensor
 
+from lfr.networks.optimizer import FlatAdam, annealed, clip_norm, flatten_parameters, trainable
 from lfr.skills.augmentation import augment
-from lfr.skills.prior import SkillPrior, task_loss
+from lfr.skills.prior import SkillPrior
+from lfr.skills.prior_ensemble import PriorEnsemble
 from lfr.skills.skill_params import PriorParams, VAEParams
 from lfr.skills.symmetry import moved_copies
 from lfr.skills.vae import SkillVAE, vae_loss
+
+MOST_NORM = 10.0  # of a model's gradient
+STEPS_AT_ONCE = 16  # of which the batches are drawn together
 
 
 def train_vae(actions: Tensor, names: Sequence[str], params: VAEParams, seed: int) -> SkillVAE:
@@ -24,66 +34,101 @@ def train_vae(actions: Tensor, names: Sequence[str], params: VAEParams, seed: in
     vae = SkillVAE(
         params.horizon, actions.shape[-1], params.latent_dim, params.hidden, params.execute
     )
-    optimizer = torch.optim.Adam(vae.parameters(), params.learning_rate, fused=True)
-    schedule = _annealed(optimizer, params.steps)
-    augmented = round(params.augment * params.batch)
-    for _ in range(params.steps):
-        batch = actions[torch.randint(len(actions), (params.batch,), generator=generator)]
-        if augmented:
-            batch = torch.cat([augment(batch[:augmented], names, generator), batch[augmented:]])
+    weights = trainable(vae)
+    adam = FlatAdam(flatten_parameters(vae), params.learning_rate)
+    for step, batch in enumerate(_windows(actions, names, params, generator)):
         loss, _ = vae_loss(vae, batch, params.alpha)
-        _descend(optimizer, loss, vae)
-        schedule.step()
+        gradient = torch.cat([g.reshape(-1) for g in torch.autograd.grad(loss, weights)])
+        adam.lr = annealed(params.learning_rate, step, params.steps)
+        adam.descend(clip_norm(gradient, MOST_NORM))
     return vae.eval()
 
 
-def train_prior(
-    vae: SkillVAE,
-    observations: Tensor,
-    actions: Tensor,
-    names: Sequence[str],
-    action_names: Sequence[str],
-    params: PriorParams,
-    seed: int,
-) -> SkillPrior:
-    """The skill prior of one arm and task, for a trained VAE.
+def _windows(
+    actions: Tensor, names: Sequence[str], params: VAEParams, generator: torch.Generator
+) -> Iterator[Tensor]:
+    """A batch (B, H, A) for each step, the first of its windows augmented."""
+    augmented = round(params.augment * params.batch)
+    for first in range(0, params.steps, STEPS_AT_ONCE):
+        steps = min(STEPS_AT_ONCE, params.steps - first)
+        drawn = torch.randint(len(actions), (steps, params.batch), generator=generator)
+        batches = actions[drawn]
+        if augmented:
+            made = augment(batches[:, :augmented].flatten(0, 1), names, generator)
+            batches[:, :augmented] = made.unflatten(0, (steps, augmented))
+        yield from batches
 
-    Args:
+
+@dataclass(frozen=True)
+class PriorMaterial:
+    """What the skill prior of one arm and task is trained on.
+
+    Attributes:
         observations: (N, D), where the windows start, in the units of the layout ``names``.
         actions: (N, H, A), the windows, whose dimensions are called ``action_names``.
+        seed: of this prior's training.
     """
-    torch.manual_seed(seed)
-    generator = torch.Generator().manual_seed(seed)
-    prior = SkillPrior(names, vae.latent_dim, params.hidden, params.layers)
-    observations, actions = moved_copies(
-        observations, actions, names, action_names, params.symmetry, generator
-    )
-    prior.normalizer.fit(observations, names)
-    mu_z, log_sigma_z = vae.encode_all(actions)
-    optimizer = torch.optim.AdamW(
-        prior.network.parameters(),
-        params.learning_rate,
-        weight_decay=params.weight_decay,
-        fused=True,
-    )
-    schedule = _annealed(optimizer, params.steps)
-    blur = params.input_noise * prior.normalizer.noise_scale()
-    for _ in range(params.steps):
-        index = torch.randint(len(observations), (params.batch,), generator=generator)
-        seen = observations[index]
-        seen = seen + blur * torch.randn(seen.shape, generator=generator)
-        loss = task_loss(prior, seen, mu_z[index], log_sigma_z[index])
-        _descend(optimizer, loss, prior)
-        schedule.step()
-    return prior.eval()
+
+    observations: Tensor
+    actions: Tensor
+    names: Sequence[str]
+    action_names: Sequence[str]
+    seed: int
 
 
-def _annealed(optimizer: torch.optim.Optimizer, steps: int) -> torch.optim.lr_scheduler.LRScheduler:
-    return torch.optim.lr_scheduler.CosineAnnealingLR(optimizer, max(steps, 1))
+def train_priors(
+    vae: SkillVAE, materials: Sequence[PriorMaterial], params: PriorParams
+) -> list[SkillPrior]:
+    """A skill prior for each material, for a trained VAE; all of them trained as one network.
+
+    Each has its own seed and draws from it alone, so that it is, up to rounding, the prior that it
+    would be by itself.
+    """
+    learners = [_PriorLearner.start(vae, material, params) for material in materials]
+    ensemble = PriorEnsemble([learner.prior for learner in learners])
+    adam = FlatAdam(ensemble.vector, params.learning_rate, weight_decay=params.weight_decay)
+    for first in range(0, params.steps, STEPS_AT_ONCE):
+        steps = min(STEPS_AT_ONCE, params.steps - first)
+        drawn = [learner.draw(steps, params) for learner in learners]
+        inputs = ensemble.stacked([inputs for inputs, _, _ in drawn])  # (E, steps, B, in)
+        mu, log_sigma = (torch.stack([one[i] for one in drawn]) for i in (1, 2))
+        for k in range(steps):
+            adam.lr = annealed(params.learning_rate, first + k, params.steps)
+            gradient = ensemble.gradient(inputs[:, k], mu[:, k], log_sigma[:, k])
+            adam.descend(ensemble.clipped(gradient, MOST_NORM))
+    return [prior.eval() for prior in ensemble.priors()]
 
 
-def _descend(optimizer: torch.optim.Optimizer, loss: Tensor, model: nn.Module) -> None:
-    optimizer.zero_grad(set_to_none=True)
-    loss.backward()
-    nn.utils.clip_grad_norm_(model.parameters(), 10.0, foreach=True)
-    optimizer.step()
+@dataclass(frozen=True)
+class _PriorLearner:
+    """One prior, its windows and moved copies of them, and what the VAE makes of these."""
+
+    prior: SkillPrior
+    observations: Tensor  # (N, D)
+    mu: Tensor  # (N, Z)
+    log_sigma: Tensor  # (N, Z)
+    generator: torch.Generator
+
+    @classmethod
+    def start(cls, vae: SkillVAE, material: PriorMaterial, params: PriorParams) -> _PriorLearner:
+        torch.manual_seed(material.seed)
+        generator = torch.Generator().manual_seed(material.seed)
+        prior = SkillPrior(material.names, vae.latent_dim, params.hidden, params.layers)
+        observations, actions = moved_copies(
+            material.observations, material.actions, material.names, material.action_names,
+            params.symmetry, generator,
+        )  # fmt: skip
+        prior.normalizer.fit(observations, material.names)
+        return cls(prior, observations, *vae.encode_all(actions), generator)
+
+    @torch.no_grad()
+    def draw(self, steps: int, params: PriorParams) -> tuple[Tensor, Tensor, Tensor]:
+        """What the prior sees and shall predict in so many steps: (steps, B, in), (steps, B, Z)."""
+        count = len(self.observations)
+        drawn = torch.randint(count, (steps * params.batch,), generator=self.generator)
+        seen = self.observations[drawn]
+        blur = params.input_noise * self.prior.normalizer.noise_scale()
+        seen = seen + blur * torch.randn(seen.shape, generator=self.generator)
+        parts = self.prior.normalizer(seen), self.mu[drawn], self.log_sigma[drawn]
+        inputs, mu, log_sigma = (part.unflatten(0, (steps, params.batch)) for part in parts)
+        return inputs, mu, log_sigma

@@ -9,7 +9,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional as F
 
-from lfr.transfer.ensemble import Shape, Trace, differentiate, evaluate
+from lfr.networks.ensemble import Shape, Trace, differentiate, evaluate
 
 # A state further out than this was never near the demonstrations; a larger input would only make
 # the critics extrapolate.
@@ -59,18 +59,19 @@ class CriticEnsemble:
     def values(self, inputs: Tensor, z: Tensor) -> tuple[Tensor, list[Trace]]:
         """Q (E, B) at normalised observations (B, D) and skills (B, Z), and how it came about."""
         x = torch.cat([inputs, z], dim=-1).expand(self.shape.ensemble, -1, -1)
-        return evaluate(self.layers, x)
+        q, traces = evaluate(self.layers, x)
+        return q.squeeze(-1), traces
 
     @torch.no_grad()
     def by_parameters(self, traces: list[Trace], slope: Tensor) -> Tensor:
         """dL/dparameters (P,) for dL/dQ (E, B); overwritten by the next call."""
-        differentiate(self.layers, traces, slope, into=self.slopes)
+        differentiate(self.layers, traces, slope[..., None], into=self.slopes)
         return self.gradient
 
     @torch.no_grad()
     def by_skill(self, traces: list[Trace], slope: Tensor) -> Tensor:
         """dL/dz (B, Z) for dL/dQ (E, B)."""
-        gradient = differentiate(self.layers, traces, slope)
+        gradient = differentiate(self.layers, traces, slope[..., None])
         assert gradient is not None
         return gradient[:, :, -self.latent_dim :].sum(0)
 

@@ -8,6 +8,8 @@ import math
 import torch
 from torch import Tensor, nn
 
+from lfr.skills.prior import SkillPrior
+
 
 class StandardNormal(nn.Module):
     """A prior that knows nothing: N(0, I) over the latent space, for observations (B, D)."""
@@ -45,7 +47,16 @@ class MappedPolicy(nn.Module):
         self.pi, self.phi, self.min_sigma = pi, phi, min_sigma
 
     def forward(self, observation: Tensor) -> tuple[Tensor, Tensor]:
-        mu, log_sigma = self.phi(*self.pi(observation))  # Eq. 7
+        return self.of_features(self.features(observation))
+
+    def features(self, observation: Tensor) -> Tensor:
+        """What pi makes of observations (B, D) before its first parameters; itself, if nothing."""
+        return self.pi.features(observation) if isinstance(self.pi, SkillPrior) else observation
+
+    def of_features(self, features: Tensor) -> tuple[Tensor, Tensor]:
+        """(mu, log_sigma), (B, Z) each, for the `features` of observations."""
+        pi = self.pi.of_features if isinstance(self.pi, SkillPrior) else self.pi
+        mu, log_sigma = self.phi(*pi(features))  # Eq. 7
         if self.min_sigma > 0.0:
             bound = torch.full_like(log_sigma, 2.0 * math.log(self.min_sigma))
             log_sigma = 0.5 * torch.logaddexp(2.0 * log_sigma, bound)

@@ -3,19 +3,27 @@
 from __future__ import annotations
 
 import copy
+from typing import NamedTuple
 
 import torch
 from torch import Tensor, nn
 
+from lfr.networks.optimizer import FlatAdam, flatten_parameters, trainable
 from lfr.transfer.critic import CriticEnsemble, critic_loss, pessimistic, td_target
 from lfr.transfer.distribution import GAUSSIAN, Distribution, tempered
 from lfr.transfer.extended_policy import MappedPolicy
-from lfr.transfer.optimizer import FlatAdam, flatten_parameters, trainable
 from lfr.transfer.replay import Batch
 from lfr.transfer.temperature import Temperature
 from lfr.transfer.transfer_params import TransferParams
 
 Info = dict[str, Tensor]
+
+
+class Seen(NamedTuple):
+    """What the networks see of observations: what comes before their first parameters."""
+
+    critics: Tensor  # (B, inputs)
+    policy: Tensor  # (B, features)
 
 
 class Learner:
@@ -55,35 +63,66 @@ class Learner:
         self.alpha_adam = FlatAdam(self.temperature.log_alpha, params.alpha_lr)
         self.updates = 0
 
-    def update(self, batch: Batch, *, critics_only: bool = False) -> Info:
-        """One step of the critics and, when it is due, of policy and temperature.
+    def update(self, batch: Batch, count: int = 1, *, critics_only: bool = False) -> list[Info]:
+        """``count`` steps of the critics, each on one of as many equal parts of a batch.
+
+        Policy and temperature make a step where one is due. What does not change on the way is
+        computed once: what networks see of the observations and, between two steps of the policy,
+        what it would do next.
 
         Returns:
-            Scalars that describe it, detached; those of the policy only if it made a step.
+            Of each step scalars that describe it, detached; those of the policy only where it made
+            one.
         """
         noise = torch.randn(2, *batch.z.shape, generator=self.generator)
-        alpha = self.temperature()
-        target = self.targets(batch, alpha, noise[0])
-        inputs = self.critics.inputs(batch.observation)
-        q, traces = self.critics.values(inputs, batch.z)
+        now, later = self.see(batch.observation), self.see(batch.next_observation)
+        size, every = len(batch.reward) // count, self.params.policy_every
+        infos: list[Info] = []
+        while (first := len(infos)) < count:
+            last = count if critics_only else min(count, first + every - self.updates % every)
+            alpha, rows = self.temperature(), slice(first * size, last * size)
+            next_z, kl = self.foresee(later.policy[rows], _part(batch, rows), noise[0][rows])
+            parts = zip(next_z.split(size), kl.split(size), strict=True)
+            for i, ahead in enumerate(parts, first):
+                rows = slice(i * size, (i + 1) * size)
+                target = self.targets(_part(batch, rows), alpha, later.critics[rows], *ahead)
+                infos.append(self.teach(now.critics[rows], batch.z[rows], target, alpha))
+            if not critics_only and self.updates % every == 0:
+                part = _part(batch, rows)
+                infos[-1] |= self.improve(
+                    part, Seen(*(x[rows] for x in now)), alpha, noise[1][rows]
+                )
+        return infos
+
+    @torch.no_grad()
+    def see(self, observation: Tensor) -> Seen:
+        """What the networks see of raw observations (B, D)."""
+        return Seen(self.critics.inputs(observation), self.policy.features(observation))
+
+    @torch.no_grad()
+    def foresee(self, features: Tensor, batch: Batch, noise: Tensor) -> tuple[Tensor, Tensor]:
+        """The policy's skills (B, Z) at a batch's next states, and their divergence (B,)."""
+        mu, log_sigma = self.policy.of_features(features)
+        kl = self.divergence(mu, log_sigma, noise, batch.next_prior_mu, batch.next_prior_log_sigma)
+        return self.distribution.skill(mu, log_sigma, noise), kl
+
+    @torch.no_grad()
+    def targets(
+        self, batch: Batch, alpha: Tensor, next_inputs: Tensor, next_z: Tensor, kl: Tensor
+    ) -> Tensor:
+        """The TD targets (B,) of a batch, from the target critics."""
+        next_q, _ = self.target.values(next_inputs, next_z)
+        next_q = pessimistic(next_q, self.subset())
+        return td_target(batch.reward, batch.discount, next_q, alpha, kl)
+
+    def teach(self, inputs: Tensor, z: Tensor, target: Tensor, alpha: Tensor) -> Info:
+        """One step of the critics, and of the target critics after them."""
+        q, traces = self.critics.values(inputs, z)
         loss, slope = critic_loss(q, target)
         self.critic_adam.descend(self.critics.by_parameters(traces, slope))
         self.target.vector.lerp_(self.critics.vector, self.params.tau)
         self.updates += 1
-        info = {"critic_loss": loss, "q": q.mean(), "alpha": alpha}
-        if critics_only or self.updates % self.params.policy_every:
-            return info
-        return info | self.improve(batch, inputs, alpha, noise[1])
-
-    @torch.no_grad()
-    def targets(self, batch: Batch, alpha: Tensor, noise: Tensor) -> Tensor:
-        """The TD targets (B,) of a batch, from the target critics and the policy as it is."""
-        mu, log_sigma = self.policy(batch.next_observation)
-        next_z = self.distribution.skill(mu, log_sigma, noise)
-        next_q, _ = self.target.values(self.target.inputs(batch.next_observation), next_z)
-        kl = self.divergence(mu, log_sigma, noise, batch.next_prior_mu, batch.next_prior_log_sigma)
-        next_q = pessimistic(next_q, self.subset())
-        return td_target(batch.reward, batch.discount, next_q, alpha, kl)
+        return {"critic_loss": loss, "q": q.mean(), "alpha": alpha}
 
     def divergence(self, mu: Tensor, log_sigma: Tensor, noise: Tensor, *prior: Tensor) -> Tensor:
         """KL to the prior's (mu, log_sigma), (B,), tempered: what Eq. 9 charges for a state."""
@@ -97,11 +136,11 @@ class Learner:
         order = torch.randperm(self.params.critics, generator=self.generator)
         return order[: self.params.target_subset]
 
-    def improve(self, batch: Batch, inputs: Tensor, alpha: Tensor, noise: Tensor) -> Info:
+    def improve(self, batch: Batch, seen: Seen, alpha: Tensor, noise: Tensor) -> Info:
         """One step of the policy on alpha KL - Q (Eq. 9), and of the temperature."""
-        mu, log_sigma = self.policy(batch.observation)
+        mu, log_sigma = self.policy.of_features(seen.policy)
         z = self.distribution.skill(mu, log_sigma, noise)  # reparameterised
-        q, traces = self.critics.values(inputs, z.detach())
+        q, traces = self.critics.values(seen.critics, z.detach())
         value, slope = self.value(q)
         # -Q enters by its gradient: grad_outputs of z are those of -value by z.
         by_z = self.critics.by_skill(traces, -slope)
@@ -152,3 +191,7 @@ class Learner:
             "critics": self.critic_adam,
             "temperature": self.alpha_adam,
         }
+
+
+def _part(batch: Batch, rows: slice) -> Batch:
+    return Batch(*(column[rows] for column in batch))

@@ -169,13 +169,12 @@ class TransferLoop:
             return
         skills = progress.skills - progress.skills_before_updates
         critics_only = progress.env_steps < params.warm_up
-        infos = []
-        while progress.updates < int(params.updates_per_skill * skills):
-            batch = self.replay.sample(params.batch, self.generator)
-            infos.append(self.learner.update(batch, critics_only=critics_only))
-            progress.updates += 1
-        if not infos:
+        due = int(params.updates_per_skill * skills) - progress.updates
+        if due <= 0:
             return
+        batch = self.replay.sample(due * params.batch, self.generator)
+        infos = self.learner.update(batch, due, critics_only=critics_only)
+        progress.updates += due
         info = {}
         for name in {name: None for one in infos for name in one}:
             values = torch.stack([one[name] for one in infos if name in one]).tolist()

@@ -1,17 +1,20 @@
 """A cheap evaluation while learning: the mean policy from a fixed set of starts.
 
-The learning run's own simulations step side by side here, so that one decode serves all of them;
-`lfr.policies.roll_out`, one episode after the other, would take longer, and batches of one differ
+The learning run's own simulations step side by side here, so that one decode serves all of them,
+on as many cores as there are; `lfr.policies.roll_out`, one episode after the other, would take longer, and batches of one differ
 from larger ones in the last bits.
 """
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
 
+from lfr.policies import Array
 from lfr.transfer.actor import SkillActor
 from lfr.transfer.environment import Resumable, RewardRule, RunningEpisode
 
@@ -34,21 +37,25 @@ def evaluate(
     results: dict[int, EpisodeOutcome] = {}
     running: list[tuple[int, RunningEpisode]] = []
     idle = list(simulations)
-    while waiting or running:
-        while waiting and idle:
-            place, seed = waiting.pop()
-            episode = RunningEpisode(idle.pop())
-            episode.start(seed)
-            running.append((place, episode))
-        actions = actor.act(np.stack([episode.observation for _, episode in running]))
-        going = []
-        for (place, episode), skill in zip(running, actions, strict=True):
-            if not episode.execute(skill, rule).over:
-                going.append((place, episode))
-                continue
-            results[place] = EpisodeOutcome(
-                episode.seed, episode.success, episode.total, episode.length
-            )
-            idle.append(episode.simulation)
-        running = going
+
+    def execute(episode: RunningEpisode, skill: Array) -> bool:
+        return episode.execute(skill, rule).over  # the simulation releases the GIL
+
+    with ThreadPoolExecutor(os.cpu_count()) as threads:
+        while waiting or running:
+            while waiting and idle:
+                place, seed = waiting.pop()
+                episode = RunningEpisode(idle.pop())
+                episode.start(seed)
+                running.append((place, episode))
+            episodes = [episode for _, episode in running]
+            actions = actor.act(np.stack([episode.observation for episode in episodes]))
+            over = list(threads.map(execute, episodes, actions))
+            for (place, episode), ended in zip(running, over, strict=True):
+                if ended:
+                    results[place] = EpisodeOutcome(
+                        episode.seed, episode.success, episode.total, episode.length
+                    )
+                    idle.append(episode.simulation)
+            running = [one for one, ended in zip(running, over, strict=True) if not ended]
     return [results[place] for place in range(len(seeds))]

@@ -19,7 +19,7 @@ from lfr.skills.demonstrations import DATASETS, balanced, read_visible
 from lfr.skills.library import RoleModels
 from lfr.skills.saved_models import Seen, load_vae
 from lfr.skills.skill_params import PriorParams
-from lfr.skills.skill_training import train_prior
+from lfr.skills.skill_training import PriorMaterial, train_priors
 from lfr.spaces import ROBOT_STATE, axis, displacement, position
 from lfr.tasks import Task
 from lfr.tasks import task as task_named
@@ -77,7 +77,8 @@ def fit_any_task(job: AnyTaskJob) -> dict[str, Any]:
     observations, actions = together.tensor_split([len(ANY_TASK_NAMES)], dim=1)
     actions = actions.reshape(len(actions), vae.horizon, vae.action_dim)
     names = known[transfer.common[0]].actions.names
-    inner = train_prior(vae, observations, actions, ANY_TASK_NAMES, names, job.params, seed)
+    material = PriorMaterial(observations, actions, ANY_TASK_NAMES, names, seed)
+    (inner,) = train_priors(vae, [material], job.params)
     new = task_named(transfer.task)
     prior = asked_about(inner, OBJECT, new.observation.names, new.manipulated)
     digests = {one.dataset: one.digest for one in known.values()}

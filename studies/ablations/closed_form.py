@@ -6,53 +6,6 @@ import torch
 from torch import Tensor, nn
 
 from lfr.mapping.generator import Generator
-from lfr.mapping.mapping_training import (
-    ActionWindows,
-    CommonTask,
-    MappingParams,
-    _posteriors,
-    _sample,
-)
-from lfr.skills.symmetry import moved_states
-from lfr.skills.vae import SkillVAE
-
-PAIRS = 2**16  # some thousand for each of a linear map's rows
-BATCH = 2**12
-
-
-def pairs_of(
-    tasks: list[CommonTask],
-    encoders: tuple[SkillVAE, SkillVAE],
-    windows: ActionWindows | None,
-    params: MappingParams,
-    seed: int,
-    count: int = PAIRS,
-) -> tuple[Tensor, Tensor]:
-    """k_x and k_y (N, 2Z), drawn as `lfr.mapping.mapping_training.train_mapping` draws its batches.
-
-    Both arms' predictions at moved, blurred states, every task equally often, and in the same share
-    as there both encoders' posteriors of the same augmented windows.
-
-    Args:
-        count: N is this or a little less.
-    """
-    generator = torch.Generator().manual_seed(seed)
-    posteriors = round(params.posterior_share * BATCH) if windows is not None else 0
-    per_task = (BATCH - posteriors) // len(tasks)
-    pairs = []
-    for task in tasks:
-        states = moved_states(
-            task.observations, task.prior_x.layout_names, params.symmetry, generator
-        )
-        moved = CommonTask(task.prior_x, task.prior_y, states)
-        pairs += [
-            _sample(moved, per_task, params.state_noise, generator) for _ in range(count // BATCH)
-        ]
-    if windows is not None and posteriors:
-        pairs += [
-            _posteriors(encoders, windows, posteriors, generator) for _ in range(count // BATCH)
-        ]
-    return torch.cat([pair[0] for pair in pairs]), torch.cat([pair[1] for pair in pairs])
 
 
 @torch.no_grad()

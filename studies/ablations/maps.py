@@ -12,14 +12,13 @@ from lfr.artifacts import fingerprint
 from lfr.mapping.generator import Generator
 from lfr.mapping.map_quality import decoded_difference, l1
 from lfr.mapping.mapping_jobs import MappingJob, Material, read_material
-from lfr.mapping.mapping_training import CommonTask, paired, train_mapping
+from lfr.mapping.mapping_training import CommonTask, Pairs, drawn_pairs, paired, train_mapping
 from lfr.mapping.saved_generators import MappingSeen, save_generator
 from lfr.skills.library import RoleModels
 from lfr.skills.saved_models import load_vae
 from lfr.skills.vae import SkillVAE
 from studies.ablations.between_seeds import material_between
-from studies.ablations.broken_pairs import shuffled
-from studies.ablations.closed_form import constant, linear, pairs_of
+from studies.ablations.closed_form import constant, linear
 
 MapKind = Literal["trained", "linear", "constant", "shuffled"]
 
@@ -45,7 +44,7 @@ def map_jobs(mapping: MappingJob, other_skills: RoleModels, folder: Path) -> dic
 
     - linear, constant: closed form (`studies.ablations.closed_form`);
     - untrained: G's random weights between the fitted scales;
-    - shuffled: Algorithm 1 on broken pairs (`studies.ablations.broken_pairs`);
+    - shuffled: Algorithm 1 on pairs of which it is lost who belongs to whom;
     - no_cycle: Algorithm 1 with lambda = 0;
     - only_<task>: Algorithm 1 on one common task, both VAEs staying those of all tasks;
     - between_seeds: Algorithm 1 between two VAEs of the source (`studies.ablations.between_seeds`).
@@ -101,12 +100,18 @@ def fit_map(job: MapJob) -> dict[str, Any]:
 def fitted(job: MapJob, known: Material, vaes: tuple[SkillVAE, SkillVAE], seed: int) -> Generator:
     """The phi of a job."""
     tasks, params = list(known.training.values()), job.mapping.params
-    if job.kind == "trained":
-        return train_mapping(tasks, vaes, known.windows, params, seed)[0]
-    k_x, k_y = pairs_of(tasks, vaes, known.windows, params, seed)
+    pairs = drawn_pairs(tasks, vaes, known.windows, params, seed)
     if job.kind == "shuffled":
-        return shuffled(tasks, vaes, known.windows, k_y, params, seed)
-    return {"linear": linear, "constant": constant}[job.kind](k_x, k_y)
+        pairs = shuffled(pairs, seed)
+    if job.kind in ("trained", "shuffled"):
+        return train_mapping(pairs, params, seed)[0]
+    return {"linear": linear, "constant": constant}[job.kind](*pairs)
+
+
+def shuffled(pairs: Pairs, seed: int) -> Pairs:
+    """Pairs that carry no information: which k_y belongs to which k_x is lost, its task too."""
+    order = torch.randperm(len(pairs.k_y), generator=torch.Generator().manual_seed(seed))
+    return Pairs(pairs.k_x, pairs.k_y[order])
 
 
 @torch.no_grad()

@@ -13,7 +13,7 @@ from lfr.skills.demonstrations import DATASETS, Demonstrations, balanced, read_v
 from lfr.skills.model_jobs import divergence, vae_report
 from lfr.skills.saved_models import Seen, save_prior, save_vae
 from lfr.skills.skill_params import SkillsParams
-from lfr.skills.skill_training import train_prior, train_vae
+from lfr.skills.skill_training import PriorMaterial, train_priors, train_vae
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,8 @@ def fit_shared(job: SharedJob) -> dict[str, Any]:
 
     new = known["source", transfer.task]
     start, actions = new.training.observations, new.training.actions
-    prior = train_prior(vae, start, actions, new.names, names, job.params.prior, seed)
+    material = PriorMaterial(start, actions, new.names, names, seed)
+    (prior,) = train_priors(vae, [material], job.params.prior)
     digests = {new.dataset: new.digest}
     seen = Seen(transfer.source, (transfer.task,), digests, seed, new.actions)
     save_prior(folder / "prior", prior, seen)

@@ -22,7 +22,7 @@ from lfr.skills.library import (
     skill_folder,
     transfer_models,
 )
-from lfr.skills.model_jobs import PriorTraining, VAETraining, model_jobs, model_seed
+from lfr.skills.model_jobs import VAETraining, model_jobs, model_seed
 from lfr.skills.prior import SkillPrior
 from lfr.skills.saved_models import Seen, save_prior, save_vae
 from lfr.skills.skill_params import SkillsParams
@@ -67,12 +67,13 @@ def test_transfers_share_models() -> None:
     assert roles == [("s1-panda-lift", "oracle"), ("s2-sawyer-pick_place", "source")]
 
 
-def test_a_prior_is_trained_after_its_vae_and_where_roles_look_for_it() -> None:
+def test_priors_are_trained_after_their_vae_and_where_roles_look_for_it() -> None:
     jobs = model_jobs("panda", needed_models("panda", ALL), SkillsParams(), 0, Path("skills"))
     assert len(jobs) == 5
     for vae, priors in jobs.items():
-        assert priors
-        assert all(prior.needs == (vae,) and prior.spec.vae is vae.spec for prior in priors)
+        assert priors.spec.tasks
+        assert priors.needs == (vae,)
+        assert priors.spec.vae is vae.spec
     names = {vae.spec.models.path for vae in jobs}
     assert skill_folder(Path("skills"), "panda", ["pick_place", "nut_assembly"]).path in names
 
@@ -84,9 +85,8 @@ def test_no_two_models_start_from_the_same_weights() -> None:
         for tasks in (("lift",), ("lift", "stack"))
         for seed in (0, 1)
     ]
-    priors = [PriorTraining(spec, "lift") for spec in specs]
-    seeds = {model_seed(spec) for spec in specs} | {model_seed(p.vae, p.task) for p in priors}
-    assert len(seeds) == len(specs) + len(priors)
+    seeds = {model_seed(spec, prior) for spec in specs for prior in (None, "lift", "stack")}
+    assert len(seeds) == 3 * len(specs)
 
 
 @pytest.fixture

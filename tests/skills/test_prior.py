@@ -1,19 +1,14 @@
-"""The skill prior: normalisation with floors, L_task of Eq. 3, layout errors, learning."""
+"""The skill prior: normalisation with floors, saving, layout errors."""
 
 import math
 from pathlib import Path
 
 import pytest
 import torch
-from torch.distributions import Independent, Normal, kl_divergence
 
 from lfr.embodiments import embodiment
 from lfr.errors import DataError
-from lfr.skills.prior import (
-    TILT_SCALE,
-    SkillPrior,
-    task_loss,
-)
+from lfr.skills.prior import TILT_SCALE, SkillPrior
 from lfr.skills.saved_models import (
     Seen,
     load_prior,
@@ -22,8 +17,6 @@ from lfr.skills.saved_models import (
     save_prior,
     save_vae,
 )
-from lfr.skills.skill_params import PriorParams
-from lfr.skills.skill_training import train_prior
 from lfr.skills.vae import SkillVAE
 from lfr.tasks import task
 
@@ -84,40 +77,6 @@ def test_inputs_that_vary_are_standardised() -> None:
     normal = made.normalizer(seen)[:, : len(NAMES)]
     torch.testing.assert_close(normal.mean(0), torch.zeros(len(NAMES)), atol=1e-4, rtol=0)
     torch.testing.assert_close(normal.std(0), torch.ones(len(NAMES)), atol=1e-3, rtol=0)
-
-
-def test_task_loss_is_the_divergence_of_the_posterior_to_the_prior() -> None:
-    made, seen = prior(), observations(6)
-    generator = torch.Generator().manual_seed(1)
-    mu, log_sigma = (torch.randn(6, 3, generator=generator) for _ in range(2))
-    mu.requires_grad_()
-    loss = task_loss(made, seen, mu, log_sigma)
-    mu_p, log_sigma_p = made(seen)
-    expected = kl_divergence(
-        Independent(Normal(mu, log_sigma.exp()), 1), Independent(Normal(mu_p, log_sigma_p.exp()), 1)
-    ).mean()
-    torch.testing.assert_close(loss, expected)
-    loss.backward()
-    assert mu.grad is None  # the posterior is frozen
-    assert made.network[0].weight.grad is not None
-
-
-def test_a_prior_learns_the_skill_of_a_state_and_a_seed_fixes_it() -> None:
-    torch.manual_seed(0)
-    vae = SkillVAE(4, 7, 3, 8)
-    seen = observations(64)
-    actions = torch.tanh(5 * seen[:, None, :7]).expand(-1, 4, -1).contiguous()
-    params = PriorParams(hidden=32, layers=2, steps=150, batch=32)
-    trained, again = (train_prior(vae, seen, actions, NAMES, OSC, params, seed=2) for _ in range(2))
-    untrained = train_prior(
-        vae, seen, actions, NAMES, OSC, PriorParams(hidden=32, layers=2, steps=0), seed=2
-    )
-    with torch.no_grad():
-        mu, log_sigma = vae.encode(actions)
-        losses = [float(task_loss(one, seen, mu, log_sigma)) for one in (trained, untrained)]
-    assert losses[0] < 0.3 * losses[1]
-    states = trained.state_dict(), again.state_dict()
-    assert all(torch.equal(states[0][name], states[1][name]) for name in states[0])
 
 
 def test_saved_models_come_back_identical(tmp_path: Path) -> None:

@@ -81,7 +81,7 @@ def test_an_update_is_that_of_equation_9(artifacts, params):
     (0.3 * kl - q.mean()).backward()
     adam.step()
 
-    info = learner.update(batch)
+    (info,) = learner.update(batch)
     assert info["critic_loss"].item() == pytest.approx(float(loss.detach()), rel=1e-4)
     assert info["kl"].item() == pytest.approx(float(kl.detach()), rel=1e-4)
     assert info["kl"] > 0.01
@@ -110,7 +110,7 @@ def test_one_state_that_the_prior_never_saw_does_not_decide_for_all(artifacts, p
             mu, log_sigma, mu, batch.prior_mu, batch.prior_log_sigma
         )
         assert kl[0] > 10_000 > 1_000 * kl[1:].max()
-        info = learner.update(batch)
+        (info,) = learner.update(batch)
         pull = learner.policy_adam.mean.norm()  # of a first step: the gradient, scaled
         return float(info["critic_loss"]), float(pull)
 
@@ -125,10 +125,36 @@ def test_policy_waits_its_turn_and_warm_up_leaves_it(artifacts, params):
     before = learner.policy_adam.flat.clone()
     moved = []
     for i in range(6):
-        info = learner.update(_batch(actor), critics_only=i == 2)
+        (info,) = learner.update(_batch(actor), critics_only=i == 2)
         moved.append(not torch.equal(before, learner.policy_adam.flat))
         assert ("kl" in info) == (i == 5)
     assert moved == [False] * 5 + [True]
+
+
+@pytest.mark.parametrize("policy_every", [1, 2, 3])
+@pytest.mark.parametrize("critics_only", [False, True])
+def test_steps_at_once_are_steps_one_by_one(
+    artifacts, params, policy_every, critics_only, monkeypatch
+):
+    def zeros(*shape, generator):  # the order of draws is what differs
+        return torch.zeros(*shape)
+
+    ends = []
+    for counts in ([1] * 7, [7], [2, 5]):
+        actor, learner = _learner(artifacts, params, policy_every=policy_every)
+        parts, infos = [_batch(actor) for _ in range(7)], []
+        with monkeypatch.context() as patch:
+            patch.setattr(torch, "randn", zeros)
+            for count in counts:
+                some, parts = parts[:count], parts[count:]
+                together = Batch(*(torch.cat(columns) for columns in zip(*some, strict=True)))
+                infos += learner.update(together, count, critics_only=critics_only)
+        ends.append((learner.state(), [sorted(info) for info in infos]))
+    for state, kinds in ends[1:]:
+        assert kinds == ends[0][1]
+        for name, value in state.items():
+            if name != "random":
+                torch.testing.assert_close(value, ends[0][0][name], rtol=1e-3, atol=1e-5)
 
 
 def test_fixed_alpha_stays(artifacts, params):
@@ -140,11 +166,12 @@ def test_fixed_alpha_stays(artifacts, params):
 def test_a_random_subset_bounds_the_target_from_above(artifacts, params):
     """REDQ: the minimum over two of five critics is no lower than over all, and often the same."""
     actor, learner = _learner(artifacts, params, critics=5, target_subset=2)
-    batch, noise = _batch(actor), torch.zeros(12, 2)
-    alpha = learner.temperature()
-    some = [learner.targets(batch, alpha, noise) for _ in range(20)]
+    batch, alpha = _batch(actor), learner.temperature()
+    later = learner.see(batch.next_observation)
+    ahead = learner.foresee(later.policy, batch, torch.zeros(12, 2))
+    some = [learner.targets(batch, alpha, later.critics, *ahead) for _ in range(20)]
     learner.params = dataclasses.replace(learner.params, target_subset=0)
-    everyone = learner.targets(batch, alpha, noise)
+    everyone = learner.targets(batch, alpha, later.critics, *ahead)
     assert all((one >= everyone - 1e-6).all() for one in some)
     assert any((one > everyone + 1e-6).any() for one in some)
 

@@ -3,7 +3,7 @@
 import pytest
 import torch
 
-from lfr.transfer.optimizer import FlatAdam
+from lfr.networks.optimizer import FlatAdam
 from lfr.transfer.temperature import Temperature
 
 

@@ -2,28 +2,40 @@
 
 import copy
 
+import pytest
 import torch
 from torch import nn
 
-from lfr.transfer.optimizer import FlatAdam, flatten_parameters, trainable
+from lfr.networks.optimizer import (
+    FlatAdam,
+    annealed,
+    clip_norm,
+    flatten_parameters,
+    trainable,
+)
 
 
 def _gradient(network: nn.Module, loss: torch.Tensor) -> torch.Tensor:
     return torch.cat([g.reshape(-1) for g in torch.autograd.grad(loss, trainable(network))])
 
 
-def test_equals_adam_on_separate_tensors():
+@pytest.mark.parametrize("weight_decay", [0.0, 0.1])
+def test_equals_adamw_on_separate_tensors_annealed_and_clipped(weight_decay: float) -> None:
     torch.manual_seed(0)
     network = nn.Sequential(nn.Linear(3, 5), nn.Tanh(), nn.Linear(5, 1))
     reference = copy.deepcopy(network)
-    flat = FlatAdam(flatten_parameters(network), 1e-2)
-    adam = torch.optim.Adam(reference.parameters(), lr=1e-2)
-    for _ in range(10):
-        x = torch.randn(8, 3)
-        flat.descend(_gradient(network, network(x).square().mean()))
+    flat = FlatAdam(flatten_parameters(network), 1e-2, weight_decay=weight_decay)
+    adam = torch.optim.AdamW(reference.parameters(), lr=1e-2, weight_decay=weight_decay)
+    schedule = torch.optim.lr_scheduler.CosineAnnealingLR(adam, 10)
+    for step in range(10):
+        x = 10.0 * torch.randn(8, 3)
+        flat.lr = annealed(1e-2, step, 10)
+        flat.descend(clip_norm(_gradient(network, network(x).square().mean()), 0.05))
         adam.zero_grad()
         reference(x).square().mean().backward()
+        nn.utils.clip_grad_norm_(reference.parameters(), 0.05)
         adam.step()
+        schedule.step()
     for ours, theirs in zip(network.parameters(), reference.parameters(), strict=True):
         torch.testing.assert_close(ours, theirs, rtol=1e-5, atol=1e-6)
 
