@@ -12,7 +12,7 @@ unexport VIRTUAL_ENV
 .PHONY: repro test test-slow check bench setup lock
 
 repro: setup
-	dvc repro
+	python -m pipeline._repro
 
 test: setup
 	pytest

@@ -1,8 +1,8 @@
 """A cheap evaluation while learning: the mean policy from a fixed set of starts.
 
-The learning run's own simulations step side by side here, so that one decode serves all of them,
-on as many cores as there are; `lfr.policies.roll_out`, one episode after the other, would take longer, and batches of one differ
-from larger ones in the last bits.
+The learning run's own simulations step side by side here, on as many cores as there are, so that
+one decode serves all of them; `lfr.policies.roll_out`, one episode after the other, would take
+longer, and batches of one differ from larger ones in the last bits.
 """
 
 from __future__ import annotations
