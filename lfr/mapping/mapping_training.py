@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import torch
-from torch import Tensor, nn
+from torch import Tensor
 
 from lfr.mapping.generator import Generator
-from lfr.mapping.losses import mapping_loss
-from lfr.networks.optimizer import FlatAdam, annealed, clip_norm, flatten_parameters, trainable
+from lfr.mapping.generator_pair import GeneratorPair
+from lfr.networks.optimizer import FlatAdam, annealed, clip_norm
 from lfr.skills.augmentation import augment
 from lfr.skills.prior import SkillPrior
 from lfr.skills.symmetry import SymmetryParams, moved_states
@@ -89,15 +89,15 @@ def train_mapping(pairs: Pairs, params: MappingParams, seed: int) -> tuple[Gener
     g, f = (Generator(latent_dim, params.hidden, params.layers) for _ in range(2))
     g.fit_scales(pairs.k_x, pairs.k_y)
     f.fit_scales(pairs.k_y, pairs.k_x)
-    networks = nn.ModuleList([g.network, f.network])
-    weights = trainable(networks)
-    adam = FlatAdam(flatten_parameters(networks), params.learning_rate)
+    pair = GeneratorPair(g, f)
+    known, networks = pair.standardised(pairs.k_x, pairs.k_y), pair.networks
+    adam = FlatAdam(networks.vector, params.learning_rate)
     for step in range(params.steps):
         index = torch.randint(len(pairs.k_x), (params.batch,), generator=generator)
-        loss = mapping_loss(g, f, pairs.k_x[index], pairs.k_y[index], params.cycle_weight)
-        gradient = torch.cat([one.reshape(-1) for one in torch.autograd.grad(loss, weights)])
+        gradient = pair.gradient(known[:, index], params.cycle_weight)
         adam.lr = annealed(params.learning_rate, step, params.steps)
         adam.descend(clip_norm(gradient, MOST_NORM))
+    networks.write_back()
     return g.eval(), f.eval()
 
 

@@ -119,11 +119,14 @@ def differentiate(
     gradient: Tensor,
     into: Sequence[Layer] | None = None,
     slope: float = 0.0,
+    *,
+    by_inputs: bool = False,
 ) -> Tensor | None:
     """The chain rule, from a gradient by the outputs (E, B, out) back through all layers.
 
-    With ``into`` the gradient by the parameters is written there and None is returned; without,
-    the gradient by the inputs (E, B, in) is returned.
+    Args:
+        into: where the gradient by the parameters is written, if it is wanted.
+        by_inputs: whether the gradient by the inputs (E, B, in) is wanted, and returned.
     """
     weight, (x, *_) = layers[-1].weight, traces[-1]
     single = weight.shape[2] == 1
@@ -149,6 +152,6 @@ def differentiate(
         if into is not None:
             torch.bmm(below.transpose(1, 2), g, out=into[i].weight)
             torch.sum(g, 1, keepdim=True, out=into[i].bias)
-        if i > 0 or into is None:
+        if i > 0 or by_inputs:
             g = torch.bmm(g, weight.transpose(1, 2))
-    return g if into is None else None
+    return g if by_inputs else None

@@ -18,8 +18,8 @@ class VAEParams:
     hidden: int = 128  # LSTM units
     alpha: float = 1e-4  # weight of the divergence in Eq. 3
     steps: int = 3000
-    batch: int = 128
-    learning_rate: float = 3e-3
+    batch: int = 64
+    learning_rate: float = 8e-3
     augment: float = 0.5  # share of each batch whose windows are turned, scaled, recombined
 
     def __post_init__(self) -> None:
@@ -38,7 +38,7 @@ class PriorParams:
     hidden: int = 128
     layers: int = 6
     steps: int = 6000
-    batch: int = 256
+    batch: int = 128
     learning_rate: float = 1e-3
     weight_decay: float = 1e-2
     input_noise: float = 0.1  # of an input's normalised unit, against overfitting 50 episodes

@@ -86,17 +86,19 @@ def train_priors(
     """
     learners = [_PriorLearner.start(vae, material, params) for material in materials]
     ensemble = PriorEnsemble([learner.prior for learner in learners])
-    adam = FlatAdam(ensemble.vector, params.learning_rate, weight_decay=params.weight_decay)
+    networks = ensemble.networks
+    adam = FlatAdam(networks.vector, params.learning_rate, weight_decay=params.weight_decay)
     for first in range(0, params.steps, STEPS_AT_ONCE):
         steps = min(STEPS_AT_ONCE, params.steps - first)
         drawn = [learner.draw(steps, params) for learner in learners]
-        inputs = ensemble.stacked([inputs for inputs, _, _ in drawn])  # (E, steps, B, in)
+        inputs = networks.together([inputs for inputs, _, _ in drawn])  # (E, steps, B, in)
         mu, log_sigma = (torch.stack([one[i] for one in drawn]) for i in (1, 2))
         for k in range(steps):
             adam.lr = annealed(params.learning_rate, first + k, params.steps)
             gradient = ensemble.gradient(inputs[:, k], mu[:, k], log_sigma[:, k])
-            adam.descend(ensemble.clipped(gradient, MOST_NORM))
-    return [prior.eval() for prior in ensemble.priors()]
+            adam.descend(networks.clipped(gradient, MOST_NORM))
+    networks.write_back()
+    return [learner.prior.eval() for learner in learners]
 
 
 @dataclass(frozen=True)

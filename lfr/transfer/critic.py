@@ -71,7 +71,7 @@ class CriticEnsemble:
     @torch.no_grad()
     def by_skill(self, traces: list[Trace], slope: Tensor) -> Tensor:
         """dL/dz (B, Z) for dL/dQ (E, B)."""
-        gradient = differentiate(self.layers, traces, slope[..., None])
+        gradient = differentiate(self.layers, traces, slope[..., None], by_inputs=True)
         assert gradient is not None
         return gradient[:, :, -self.latent_dim :].sum(0)
 

@@ -61,31 +61,14 @@ def test_the_gradient_is_that_of_each_prior_by_itself(spread: float) -> None:
         assert torch.isin(priors[0](seen[0])[1], bounds).any()
 
     ensemble = PriorEnsemble(priors)
-    inputs = ensemble.stacked(
+    inputs = ensemble.networks.together(
         [one.normalizer(rows) for one, rows in zip(priors, seen, strict=True)]
     )
-    ensemble.vector.copy_(ensemble.gradient(inputs, mu, log_sigma))  # read back as parameters
-    for one, gradients in zip(ensemble.priors(), expected, strict=True):
+    ensemble.networks.vector.copy_(ensemble.gradient(inputs, mu, log_sigma))
+    ensemble.networks.write_back()  # the gradient, read as parameters
+    for one, gradients in zip(priors, expected, strict=True):
         for found, wanted in zip(one.parameters(), gradients, strict=True):
             torch.testing.assert_close(found.detach(), wanted, rtol=1e-3, atol=1e-4)
-
-
-def test_only_a_prior_whose_gradient_is_too_long_is_clipped() -> None:
-    ensemble = PriorEnsemble([prior(name, seed) for seed, name in enumerate(TASKS)])
-    generator = torch.Generator().manual_seed(1)
-    inputs = torch.randn(3, 16, ensemble.inputs, generator=generator)
-    mu, log_sigma = torch.randn(2, 3, 16, 3, generator=generator)
-    mu[1] *= 100.0
-    lengths = []
-    for limit in (float("inf"), 5.0):
-        gradient = ensemble.clipped(ensemble.gradient(inputs, mu, log_sigma), limit)
-        ensemble.vector.copy_(gradient)
-        parts = [nn.utils.parameters_to_vector(one.parameters()) for one in ensemble.priors()]
-        lengths.append([float(part.norm()) for part in parts])
-        ensemble = PriorEnsemble([prior(name, seed) for seed, name in enumerate(TASKS)])
-    whole, clipped = lengths
-    assert whole[1] > 5.0 > max(whole[0], whole[2])
-    assert clipped == pytest.approx([whole[0], 5.0, whole[2]], rel=1e-4)
 
 
 def materials(count: int = 64) -> list[PriorMaterial]:

@@ -1,0 +1,50 @@
+"""G and F as one network while they learn, and the gradient of Eq. 4."""
+
+from __future__ import annotations
+
+import torch
+from torch import Tensor
+
+from lfr.mapping.generator import Generator
+from lfr.networks.stacked import Stacked
+
+
+class GeneratorPair:
+    """G: X -> Y and F: Y -> X, side by side.
+
+        L_reg = ||k_x - F(k_y)||_1 + ||k_y - G(k_x)||_1                        (5)
+        L_cyc = ||F(G(k_x)) - k_x||_1 + ||G(F(k_y)) - k_y||_1                  (6)
+        L     = L_reg + lambda L_cyc                                           (4)
+
+    Norms are summed over the 2Z numbers of a distribution and averaged over the batch. Each
+    generator standardises what the other gives, so both work between standardised distributions,
+    and a difference there counts by its dimension's scale.
+
+    Attributes:
+        networks: what learns of them.
+    """
+
+    def __init__(self, g: Generator, f: Generator) -> None:
+        self.networks = Stacked([g.network, f.network])
+        self._centre = torch.stack([g.centre_in, f.centre_in])[:, None]  # of X and of Y
+        self._scale = torch.stack([g.scale_in, f.scale_in])[:, None]
+
+    def standardised(self, k_x: Tensor, k_y: Tensor) -> Tensor:
+        """k_x and k_y (N, 2Z) as the networks take them, (2, N, 2Z)."""
+        return (torch.stack([k_x, k_y]) - self._centre) / self._scale
+
+    @torch.no_grad()
+    def gradient(self, known: Tensor, weight: float) -> Tensor:
+        """Of Eq. 4 with lambda = ``weight`` by all parameters, (P,), at pairs (2, B, 2Z)."""
+        expected = known.flip(0)
+        per_row = self._scale.flip(0) / known.shape[1]
+        there, traces = self.networks.evaluate(known)
+        slope = torch.sign(there - expected) * per_row
+        if not weight:
+            return self.networks.by_parameters(traces, slope)
+        # What G gave is F's input, and the other way round.
+        back, traces_back = self.networks.evaluate(there.flip(0))
+        slope_back = torch.sign(back - expected) * (weight * per_row)
+        cycle, by_inputs = self.networks.by_parameters_and_inputs(traces_back, slope_back)
+        cycle = cycle.clone()
+        return self.networks.by_parameters(traces, slope + by_inputs.flip(0)).add_(cycle)
