@@ -35,6 +35,19 @@ def numerical(seed: int) -> tuple[float, int]:
     return (matrix @ matrix).square().sum().item(), torch.get_num_threads()
 
 
+def faulting(times: int) -> int:
+    """Page faults of so many arrays of 16 MiB, of which each is written and freed."""
+    import resource
+
+    import numpy as np
+
+    np.ones(2**21)
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
+    for _ in range(times):
+        np.ones(2**21)
+    return resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before
+
+
 def unknown(name: str) -> None:
     raise UnknownNameError("robot", name, ["panda"])
 

@@ -3,6 +3,7 @@
 import io
 import json
 import os
+import platform
 import signal
 import subprocess
 import sys
@@ -122,6 +123,15 @@ def test_the_peak_memory_of_workers_is_known_here(monkeypatch: pytest.MonkeyPatc
     peaks = run_jobs(each(jobs.hungry, [50, 300]), workers=2).values()
     assert peak_memory() >= max(peaks) > 300 * 2**20
     assert memory._workers == max(peaks)
+
+
+@pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="the C library is not glibc")
+def test_what_a_job_frees_is_kept_for_it(tmp_path: Path) -> None:
+    program = "from tests.made_up_jobs import faulting; print(faulting(20))"
+    plain = subprocess.run([sys.executable, "-c", program], capture_output=True, check=True)
+    for workers in (1, 2):
+        (here, *_) = run_jobs(each(jobs.faulting, [20, 20]), workers=workers).values()
+        assert here < 0.1 * int(plain.stdout)
 
 
 @pytest.mark.parametrize("workers", [1, 2])
