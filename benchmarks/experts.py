@@ -17,7 +17,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from benchmarks._figures import FOLDER
+from benchmarks._figures import FOLDER, put
 from lfr.artifacts import provenance, write_json
 from lfr.embodiments import embodiment, embodiments
 from lfr.jobs import Job, run_jobs
@@ -26,9 +26,8 @@ from lfr.robots import ROBOTS
 from lfr.robots.repair import Repair
 from lfr.tasks import TASKS
 
-PAGE = Path("docs/simulation.md")
-BEGIN, END = "<!-- experts -->", "<!-- /experts -->"
-"""Between these the page shows `table`."""
+PAGE, MARKER = Path("docs/simulation.md"), "experts"
+"""Where `table` is shown."""
 
 
 Condition = Literal["recorded", "undisturbed", "unrepaired"]
@@ -141,9 +140,7 @@ def main() -> None:
     if not arguments.only:
         path = arguments.out / "experts.json"
         write_json(path, {"trials": rows, "made_with": provenance()})
-        text = PAGE.read_text()
-        before, rest = text.split(BEGIN)[0], text.split(END)[1]
-        PAGE.write_text(f"{before}{BEGIN}\n{table(rows)}\n{END}{rest}")
+        put(PAGE, MARKER, table(rows))
         print(path, PAGE, sep="\n")
 
 

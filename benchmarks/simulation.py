@@ -15,8 +15,9 @@ import argparse
 import multiprocessing
 import resource
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numba
@@ -24,7 +25,7 @@ import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
-from benchmarks._figures import FOLDER, Figure, compare, show, write
+from benchmarks._figures import FOLDER, Figure, compare, put, show, write
 from lfr.controllers import set_goal, set_torques
 from lfr.controllers.controller import SUBSTEPS
 from lfr.demos.expert import Expert, ExpertParams
@@ -34,6 +35,9 @@ from lfr.sim.batch import Batch
 from lfr.sim.simulation import Simulation
 from lfr.sim.stock import StockSimulation
 from lfr.tasks import TASKS
+
+PAGE, MARKER = Path("docs/simulation.md"), "engine"
+"""Where `table` is shown."""
 
 COMBINATIONS = [(body.name, task) for body in embodiments() for task in TASKS]
 WHOLE = ("panda", "sawyer")  # of these, resets, cores, threads and memory too
@@ -292,6 +296,23 @@ def measure(
     return figures
 
 
+def table(figures: Sequence[Mapping[str, Any]]) -> str:
+    """Times stock robosuite's rate, and parts of bare `mj_step`'s, as Markdown."""
+    ratios = {figure["name"]: figure["ratio"] for figure in figures}
+    lines = [
+        f"| `{body.name}` | "
+        + " | ".join(
+            f"{ratios[f'stock/{body.name}-{task}']:.1f}, "
+            f"{100 * ratios[f'mj_step/{body.name}-{task}']:.0f} %"
+            for task in TASKS
+        )
+        + " |"
+        for body in embodiments()
+    ]
+    head = f"| | {' | '.join(task.stock_name for task in TASKS.values())} |"
+    return "\n".join([head, "|---" * (len(TASKS) + 1) + "|", *lines])
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--repeats", type=int, default=9)
@@ -302,7 +323,10 @@ def main() -> None:
     chosen = [pair for pair in COMBINATIONS if arguments.only in (None, "-".join(pair))]
     libmujoco.load()
     print(f"MuJoCo {mujoco.__version__}")
-    print(write("simulation", measure(chosen, arguments.steps, arguments.repeats), arguments.out))
+    figures = measure(chosen, arguments.steps, arguments.repeats)
+    print(write("simulation", figures, arguments.out))
+    if arguments.only is None and arguments.out == FOLDER:
+        put(PAGE, MARKER, table([vars(figure) for figure in figures]))
 
 
 if __name__ == "__main__":

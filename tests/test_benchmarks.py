@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 import torch
 
-from benchmarks import packing, training
+from benchmarks import packing, simulation, stages, training
 from benchmarks import windows as reading
 from benchmarks._datasets import Size, as_of_robot, write_dataset
-from benchmarks._figures import within
+from benchmarks._figures import FOLDER, put, shown, within
+from lfr.artifacts import read_json
 from lfr.data.checks import check_dataset
 from lfr.data.episode import Episode
 from lfr.data.windows import Windows, read_dataset
@@ -92,3 +93,33 @@ def test_all_figures(dataset: Path, tmp_path: Path) -> None:
     trained = training.measure(tmp_path / "training", episodes=20, steps=2)
     assert len(trained) == 3
     assert all(0.05 < figure.ours < 2 for figure in trained)
+
+
+def test_a_page_shows_what_was_put_there(tmp_path: Path) -> None:
+    page = tmp_path / "page.md"
+    page.write_text("before\n<!-- a -->\nold\n<!-- /a -->\n<!-- b -->\nb\n<!-- /b -->\nafter\n")
+    put(page, "a", "new\nlines")
+    assert (shown(page, "a"), shown(page, "b")) == ("new\nlines", "b")
+    assert page.read_text().startswith("before\n")
+    assert page.read_text().endswith("after\n")
+
+
+def test_the_page_shows_the_engines_ratios() -> None:
+    figures = read_json(FOLDER / "simulation.json")["figures"]
+    assert shown(simulation.PAGE, simulation.MARKER) == simulation.table(figures)
+    bare = [figure for figure in figures if figure["name"].startswith("mj_step/")]
+    assert len(bare) == len(simulation.COMBINATIONS)
+    assert all(figure["reached"] for figure in bare)
+
+
+def test_a_stages_costs_against_before_and_in_yardsticks() -> None:
+    now, before = stages.Cost(30.0, 15.0, 1.5), stages.Cost(100.0, 50.0, 2.0)
+    memory, ratio, unit = stages.figures_of("skills", [[now, before], [now, before]])
+    assert (memory.ours, memory.reached) == (1.5, True)
+    assert (ratio.ratio, ratio.ours, ratio.theirs, ratio.reached) == (0.3, 30.0, 100.0, True)
+    assert (unit.ratio, unit.theirs) == (15.0, 2.0)
+    slow = stages.figures_of("skills", [[before, now]])[1]
+    assert not slow.reached
+    assert [figure.name for figure in stages.figures_of("transfer", [[now]])] == [
+        "memory/transfer", "yardstick/transfer"
+    ]  # fmt: skip

@@ -3,7 +3,7 @@
 import pytest
 
 from benchmarks import experts
-from benchmarks._figures import FOLDER
+from benchmarks._figures import FOLDER, shown
 from lfr.artifacts import read_json
 from tests.sim.pairs import EMBODIMENTS
 
@@ -53,6 +53,4 @@ def test_the_goals_are_reached_but_for_the_named_exceptions(rows: list[dict]) ->
 
 
 def test_the_page_shows_what_was_measured(rows: list[dict]) -> None:
-    text = experts.PAGE.read_text()
-    shown = text.split(experts.BEGIN)[1].split(experts.END)[0]
-    assert shown.strip() == experts.table(rows)
+    assert shown(experts.PAGE, experts.MARKER) == experts.table(rows)
