@@ -9,7 +9,7 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export UV_PYTHON_INSTALL_DIR := $(CURDIR)/.uv/python
 unexport VIRTUAL_ENV
 
-.PHONY: repro test test-slow check bench setup lock
+.PHONY: repro test test-slow check bench bench-stages setup lock
 
 repro: setup
 	python -m pipeline._repro
@@ -32,8 +32,12 @@ bench: setup
 	dvc repro --quiet pack@panda-lift
 	$(UV) pip install --quiet --no-deps --target .uv/benchmarks stable-baselines3==2.9.2
 	export PYTHONPATH=.uv/benchmarks; \
-	for benchmark in $(basename $(notdir $(wildcard benchmarks/[a-z]*.py))); do \
+	for benchmark in $(filter-out stages,$(basename $(notdir $(wildcard benchmarks/[a-z]*.py)))); do \
 	  python -m benchmarks.$$benchmark; done
+
+# Whole stages, of what is committed; they need the models that the main job makes.
+bench-stages: repro
+	python -m benchmarks.stages
 
 setup: $(READY)
 

@@ -140,8 +140,10 @@ def main() -> None:
     if not arguments.only:
         path = arguments.out / "experts.json"
         write_json(path, {"trials": rows, "made_with": provenance()})
-        put(PAGE, MARKER, table(rows))
-        print(path, PAGE, sep="\n")
+        print(path)
+        if arguments.out == FOLDER:
+            put(PAGE, MARKER, table(rows))
+            print(PAGE)
 
 
 if __name__ == "__main__":

@@ -32,7 +32,7 @@ from lfr.transfer.transfer_params import TransferParams
 
 OBSERVATION = 30  # of NutAssembly, the widest
 ROWS = 5_000  # in the replay buffers
-ROUND = 48  # updates timed at a time
+ROUND = 48  # updates timed at a time, at least
 RATIO_GOAL, RATE_GOAL = 2.0, 250.0  # against Stable-Baselines3; updates/s
 
 
@@ -62,12 +62,14 @@ def ours(params: TransferParams) -> Measurement:
     replay.add(Batch(observation, z, reward, discount, after, *prior, *next_prior))
     learner = Learner(begun.actor.policy, begun.normalizer, OBSERVATION, latent, params, generator)
 
+    due = max(1, round(params.updates_per_skill * params.simulations))  # as the transfer loop does
+    rounds = -(-ROUND // due)
+
     def measure() -> float:
         began = time.process_time()
-        due = round(params.updates_per_skill * params.simulations)  # as the transfer loop does
-        for _ in range(0, ROUND, due):
+        for _ in range(rounds):
             learner.update(replay.sample(due * params.batch, generator), due)
-        return ROUND / (time.process_time() - began)
+        return rounds * due / (time.process_time() - began)
 
     return measure
 

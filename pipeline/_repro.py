@@ -1,8 +1,8 @@
-"""`dvc repro`, saying between its stages how far the whole is: `python -m pipeline._repro [...]`.
+"""`dvc repro`, saying between its stages how far the whole is: `python -m pipeline._repro`.
 
     [17 of 35] skills@panda: about 4 min; about 19 min left for the whole
 
-Arguments are those of `dvc repro`. How long a stage takes is what its committed results say, on
+How long a stage takes is what its committed results say, on
 their machine, in the proportion that the stages already run have taken here; a stage that says
 nothing of time is not counted. What DVC and the stages print comes through as it is.
 """
@@ -20,22 +20,21 @@ from lfr.errors import LfrError
 from lfr.program import run_program
 
 RUNNING, SKIPPED = "Running stage '", "Stage '"
-"""How DVC begins the line of a stage that it runs, and of one that did not change."""
+"""How DVC begins the line of a stage that it runs, and of one that did not change or that it has
+in its cache; these lines speak of skipping, too."""
 
 
-def stages(arguments: Iterable[str]) -> list[str]:
-    """The stages that `dvc repro` with these arguments goes through.
+def stages() -> list[str]:
+    """All that `dvc repro` goes through.
 
     Raises:
         LfrError: DVC cannot tell.
     """
-    named = [argument for argument in arguments if not argument.startswith("-")]
     command = [sys.executable, "-m", "dvc", "stage", "list", "--name-only"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
         raise LfrError(f"dvc stage list: {done.stderr.strip()}")
-    known = done.stdout.split()
-    return known if not named else [stage for stage in known if stage in named]
+    return done.stdout.split()
 
 
 def expected(stage: str, results: Path = Path("results")) -> float:
@@ -64,7 +63,7 @@ class Plan:
             now: seconds on any clock that goes on.
         """
         running = line.startswith(RUNNING)
-        if not running and not (line.startswith(SKIPPED) and "didn't change" in line):
+        if not running and not (line.startswith(SKIPPED) and "skipping" in line):
             return None
         self._end(now)
         stage = line.split("'")[1]
@@ -101,9 +100,8 @@ def told(lines: Iterable[str], plan: Plan) -> Iterator[str]:
 
 
 def main() -> int:
-    arguments = sys.argv[1:]
-    plan = Plan({stage: expected(stage) for stage in stages(arguments)})
-    command = [sys.executable, "-m", "dvc", "repro", *arguments]
+    plan = Plan({stage: expected(stage) for stage in stages()})
+    command = [sys.executable, "-m", "dvc", "repro"]
     # Bars and errors go where they would: only what DVC says of stages is read.
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None

@@ -11,7 +11,7 @@ _workers = 0
 
 # Parameters of glibc's mallopt (malloc.h) and bytes
 _MMAP_THRESHOLD, _TRIM_THRESHOLD, _TOP_PAD = -3, -1, -2
-_KEPT = 2**29
+_KEPT = 2**29, 2**25  # before 2.35 glibc takes no more than the second
 
 
 def keep_freed_memory() -> None:
@@ -21,9 +21,8 @@ def keep_freed_memory() -> None:
     page by page, up to a fifth of the time. Where the C library is not glibc nothing changes.
     """
     mallopt = getattr(ctypes.CDLL(None), "mallopt", None)
-    if mallopt is not None:
-        mallopt(_MMAP_THRESHOLD, _KEPT)
-        mallopt(_TRIM_THRESHOLD, _KEPT)
+    if mallopt is not None and any(mallopt(_MMAP_THRESHOLD, size) for size in _KEPT):
+        mallopt(_TRIM_THRESHOLD, _KEPT[0])
         mallopt(_TOP_PAD, 2**26)
 
 

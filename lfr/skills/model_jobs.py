@@ -115,24 +115,28 @@ def fit_vae(spec: VAETraining) -> dict[str, Any]:
 
 def fit_priors(spec: PriorsTraining) -> dict[str, dict[str, Any]]:
     """Train and save skill priors; their held-out reports by task."""
-    demonstrations, vae = _read(spec.vae, spec.tasks), load_vae(spec.vae.models.vae)
-    materials = [
-        PriorMaterial(
-            known.training.observations, known.training.actions, known.names,
-            known.actions.names, model_seed(spec.vae, task),
-        )
-        for task, known in demonstrations.items()
-    ]  # fmt: skip
-    priors = train_priors(vae, materials, spec.vae.params.prior)
+    vae, training = load_vae(spec.vae.models.vae), spec.vae
+    materials = (_material(training, task) for task in spec.tasks)  # read one after the other
+    priors = train_priors(vae, materials, training.params.prior)
     reports = {}
-    for (task, known), prior in zip(demonstrations.items(), priors, strict=True):
-        seen = _seen(spec.vae.robot, {task: known}, model_seed(spec.vae, task))
-        save_prior(spec.vae.models.prior(task), prior, seen)
+    for task, prior in zip(spec.tasks, priors, strict=True):
+        demonstrations = _read(training, (task,))
+        known = demonstrations[task]
+        seen = _seen(training.robot, demonstrations, model_seed(training, task))
+        save_prior(training.models.prior(task), prior, seen)
         reports[task] = {
             "kl_training": _mean(divergence(vae, prior, known.training)),
             "kl_held_out": _mean(divergence(vae, prior, known.held_out)),
         }
     return reports
+
+
+def _material(spec: VAETraining, task: str) -> PriorMaterial:
+    known = _read(spec, (task,))[task]
+    windows, names = known.training, known.actions.names
+    return PriorMaterial(
+        windows.observations, windows.actions, known.names, names, model_seed(spec, task)
+    )
 
 
 @torch.no_grad()

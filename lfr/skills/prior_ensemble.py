@@ -35,9 +35,9 @@ class PriorEnsemble:
             mu, log_sigma: (E, B, Z), the posteriors that the priors should predict.
         """
         outputs, traces = self.networks.evaluate(inputs)
-        mu_p, unbounded = outputs.chunk(2, dim=-1)
-        log_sigma_p = unbounded.clamp(*LOG_SIGMA_RANGE)
-        by_mu, by_log_sigma = kl_slopes(mu, log_sigma, mu_p, log_sigma_p)
-        by_log_sigma *= log_sigma_p == unbounded  # nothing passes a bound
+        mu_prior, unbounded = outputs.chunk(2, dim=-1)
+        log_sigma_prior = unbounded.clamp(*LOG_SIGMA_RANGE)
+        by_mu, by_log_sigma = kl_slopes(mu, log_sigma, mu_prior, log_sigma_prior)
+        by_log_sigma *= log_sigma_prior == unbounded  # nothing passes a bound
         by_outputs = torch.cat([by_mu, by_log_sigma], dim=-1) / inputs.shape[1]
         return self.networks.by_parameters(traces, by_outputs)

@@ -6,7 +6,7 @@ more to call than to carry out.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import torch
@@ -77,12 +77,13 @@ class PriorMaterial:
 
 
 def train_priors(
-    vae: SkillVAE, materials: Sequence[PriorMaterial], params: PriorParams
+    vae: SkillVAE, materials: Iterable[PriorMaterial], params: PriorParams
 ) -> list[SkillPrior]:
     """A skill prior for each material, for a trained VAE; all of them trained as one network.
 
     Each has its own seed and draws from it alone, so that it is, up to rounding, the prior that it
-    would be by itself.
+    would be by itself. Materials may be read as they are asked for: of each, its states and their
+    posteriors are kept, and no windows.
     """
     learners = [_PriorLearner.start(vae, material, params) for material in materials]
     ensemble = PriorEnsemble([learner.prior for learner in learners])

@@ -19,8 +19,8 @@ from lfr.transfer.transfer_params import TransferParams
 Info = dict[str, Tensor]
 
 
-class Seen(NamedTuple):
-    """What the networks see of observations: what comes before their first parameters."""
+class Inputs(NamedTuple):
+    """What the networks make of observations before their first parameters."""
 
     critics: Tensor  # (B, inputs)
     policy: Tensor  # (B, features)
@@ -76,28 +76,31 @@ class Learner:
         """
         noise = torch.randn(2, *batch.z.shape, generator=self.generator)
         now, later = self.see(batch.observation), self.see(batch.next_observation)
+        if len(batch.reward) % count:
+            raise ValueError(f"a batch of {len(batch.reward)} has no {count} equal parts")
         size, every = len(batch.reward) // count, self.params.policy_every
         infos: list[Info] = []
         while (first := len(infos)) < count:
             last = count if critics_only else min(count, first + every - self.updates % every)
-            alpha, rows = self.temperature(), slice(first * size, last * size)
-            next_z, kl = self.foresee(later.policy[rows], _part(batch, rows), noise[0][rows])
-            parts = zip(next_z.split(size), kl.split(size), strict=True)
-            for i, ahead in enumerate(parts, first):
-                rows = slice(i * size, (i + 1) * size)
-                target = self.targets(_part(batch, rows), alpha, later.critics[rows], *ahead)
+            alpha, group = self.temperature(), slice(first * size, last * size)
+            next_z, kl = self.foresee(later.policy[group], _part(batch, group), noise[0][group])
+            for k in range(last - first):
+                rows = slice((first + k) * size, (first + k + 1) * size)
+                ahead = slice(k * size, (k + 1) * size)
+                target = self.targets(
+                    _part(batch, rows), alpha, later.critics[rows], next_z[ahead], kl[ahead]
+                )
                 infos.append(self.teach(now.critics[rows], batch.z[rows], target, alpha))
             if not critics_only and self.updates % every == 0:
-                part = _part(batch, rows)
-                infos[-1] |= self.improve(
-                    part, Seen(*(x[rows] for x in now)), alpha, noise[1][rows]
-                )
+                rows = slice((last - 1) * size, last * size)
+                seen = Inputs(*(inputs[rows] for inputs in now))
+                infos[-1] |= self.improve(_part(batch, rows), seen, alpha, noise[1][rows])
         return infos
 
     @torch.no_grad()
-    def see(self, observation: Tensor) -> Seen:
+    def see(self, observation: Tensor) -> Inputs:
         """What the networks see of raw observations (B, D)."""
-        return Seen(self.critics.inputs(observation), self.policy.features(observation))
+        return Inputs(self.critics.inputs(observation), self.policy.features(observation))
 
     @torch.no_grad()
     def foresee(self, features: Tensor, batch: Batch, noise: Tensor) -> tuple[Tensor, Tensor]:
@@ -136,7 +139,7 @@ class Learner:
         order = torch.randperm(self.params.critics, generator=self.generator)
         return order[: self.params.target_subset]
 
-    def improve(self, batch: Batch, seen: Seen, alpha: Tensor, noise: Tensor) -> Info:
+    def improve(self, batch: Batch, seen: Inputs, alpha: Tensor, noise: Tensor) -> Info:
         """One step of the policy on alpha KL - Q (Eq. 9), and of the temperature."""
         mu, log_sigma = self.policy.of_features(seen.policy)
         z = self.distribution.skill(mu, log_sigma, noise)  # reparameterised

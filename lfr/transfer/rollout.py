@@ -36,12 +36,12 @@ def evaluate(
     waiting = list(enumerate(seeds))[::-1]
     results: dict[int, EpisodeOutcome] = {}
     running: list[tuple[int, RunningEpisode]] = []
-    idle = list(simulations)
+    idle, cores = list(simulations), len(os.sched_getaffinity(0))
 
     def execute(episode: RunningEpisode, skill: Array) -> bool:
         return episode.execute(skill, rule).over  # the simulation releases the GIL
 
-    with ThreadPoolExecutor(os.cpu_count()) as threads:
+    with ThreadPoolExecutor(min(len(simulations), cores)) as threads:
         while waiting or running:
             while waiting and idle:
                 place, seed = waiting.pop()

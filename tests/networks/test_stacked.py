@@ -18,7 +18,7 @@ def networks(*inputs: int) -> list[nn.Sequential]:
     ]  # fmt: skip
 
 
-def as_networks(stacked: Stacked, vector: Tensor, inputs: tuple[int, ...]) -> list[Tensor]:
+def as_networks(stacked: Stacked, vector: Tensor) -> list[Tensor]:
     """A vector of the ensemble's, network by network, (P_e,) each."""
     held = stacked.vector.clone()
     stacked.vector.copy_(vector)
@@ -40,8 +40,9 @@ def test_answers_and_gradients_are_those_of_each_network(inputs: tuple[int, ...]
     answers, traces = stacked.evaluate(stacked.together([row.detach() for row in rows]))
     slopes = torch.randn(len(inputs), 7, 3)
     gradient, by_inputs = stacked.by_parameters_and_inputs(traces, slopes)
+    gradient = gradient.clone()  # the next call writes over it
     assert torch.equal(gradient, stacked.by_parameters(traces, slopes))
-    parts = as_networks(stacked, gradient.clone(), inputs)
+    parts = as_networks(stacked, gradient)
     for e, network in enumerate(every):
         torch.testing.assert_close(answers[e], network(rows[e]))
         wanted = torch.autograd.grad(network(rows[e]), [rows[e], *network.parameters()], slopes[e])
@@ -57,7 +58,7 @@ def test_only_a_network_whose_gradient_is_too_long_is_clipped() -> None:
     lengths = []
     for limit in (float("inf"), 50.0):
         gradient = stacked.clipped(stacked.by_parameters(traces, slopes).clone(), limit)
-        parts = as_networks(stacked, gradient, (4, 6, 5))
+        parts = as_networks(stacked, gradient)
         lengths.append([float(part.norm()) for part in parts])
     whole, clipped = lengths
     # Weights of inputs that the narrower networks do not have count in the ensemble alone.

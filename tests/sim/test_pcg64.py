@@ -18,8 +18,7 @@ def seeded(seed, state):  # type: ignore[no-untyped-def]
 
 
 @numba.njit
-def drawn(seed, uniforms, normals):  # type: ignore[no-untyped-def]
-    state = np.zeros(4, dtype=np.uint64)
+def drawn(seed, state, uniforms, normals):  # type: ignore[no-untyped-def]
     pcg64.seed_generator(seed, state)
     for i in range(len(normals)):
         normals[i] = pcg64.normal(state)
@@ -30,13 +29,13 @@ def drawn(seed, uniforms, normals):  # type: ignore[no-untyped-def]
 def test_state_and_draws_are_numpys(seed: int) -> None:
     theirs = np.random.default_rng(seed)
     kept = theirs.bit_generator.state["state"]
-    state = np.zeros(4, dtype=np.uint64)
+    state = pcg64.generator()
     seeded(np.uint64(seed), state)
-    words = [int(word) for word in state]
+    words = [int(word) for word in state[:4]]
     assert (words[0] << 64) + words[1] == kept["state"]
     assert (words[2] << 64) + words[3] == kept["inc"]
     uniforms, normals = np.empty((2, 20_000))  # so many that the ziggurat's edges and tail occur
-    drawn(np.uint64(seed), uniforms, normals)
+    drawn(np.uint64(seed), pcg64.generator(), uniforms, normals)
     expected = np.array([(theirs.standard_normal(), theirs.random()) for _ in range(20_000)])
     np.testing.assert_array_equal(normals, expected[:, 0])
     np.testing.assert_array_equal(uniforms, expected[:, 1])

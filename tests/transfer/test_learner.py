@@ -136,15 +136,24 @@ def test_policy_waits_its_turn_and_warm_up_leaves_it(artifacts, params):
 def test_steps_at_once_are_steps_one_by_one(
     artifacts, params, policy_every, critics_only, monkeypatch
 ):
-    def zeros(*shape, generator):  # the order of draws is what differs
-        return torch.zeros(*shape)
+    noise = torch.randn(2, 7 * 12, 2)
+
+    class Dealt:
+        """The same noise for the same rows, however many are drawn at once."""
+
+        def __init__(self) -> None:
+            self.rows = 0
+
+        def __call__(self, *shape, generator):
+            first, self.rows = self.rows, self.rows + shape[1]
+            return noise[:, first : self.rows]
 
     ends = []
     for counts in ([1] * 7, [7], [2, 5]):
         actor, learner = _learner(artifacts, params, policy_every=policy_every)
         parts, infos = [_batch(actor) for _ in range(7)], []
         with monkeypatch.context() as patch:
-            patch.setattr(torch, "randn", zeros)
+            patch.setattr(torch, "randn", Dealt())
             for count in counts:
                 some, parts = parts[:count], parts[count:]
                 together = Batch(*(torch.cat(columns) for columns in zip(*some, strict=True)))
