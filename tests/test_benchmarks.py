@@ -16,6 +16,7 @@ from lfr.data.checks import check_dataset
 from lfr.data.episode import Episode
 from lfr.data.windows import Windows, read_dataset
 from lfr.errors import DataError
+from lfr.jobs import Job
 from lfr.jobs.memory import own_peak
 from tests.data import made_up
 
@@ -80,7 +81,7 @@ def test_both_sides_pack_the_same_rows(tmp_path: Path, monkeypatch: pytest.Monke
 def test_a_jobs_peak_is_its_own() -> None:
     held = np.ones(2**26)  # 512 MiB
     assert training.peak() < own_peak() - held.nbytes / 2
-    assert training.peak((np.ones, 2**26)) > held.nbytes
+    assert training.peak(Job(np.ones, 2**26)) > held.nbytes
 
 
 @pytest.mark.slow
