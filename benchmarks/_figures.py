@@ -103,16 +103,21 @@ def show(figure: Figure) -> None:
     )
 
 
-def write(name: str, figures: list[Figure], folder: Path = FOLDER) -> Path:
-    """Write `<folder>/<name>.json`; returns its path."""
+def write(name: str, figures: list[Figure], folder: Path = FOLDER, **machine: str) -> Path:
+    """Write `<folder>/<name>.json`; returns its path.
+
+    Args:
+        machine: what else is to be known of the one that measured.
+    """
     path = folder / f"{name}.json"
     rows = [asdict(figure) | {"reached": figure.reached} for figure in figures]
-    machine = {
+    described = {
         "processor": _processor(),
         "cores": os.cpu_count(),
         "load_average": os.getloadavg()[0],
+        **machine,
     }
-    write_json(path, {"figures": rows, "machine": machine, "made_with": provenance()})
+    write_json(path, {"figures": rows, "machine": described, "made_with": provenance()})
     return path
 
 

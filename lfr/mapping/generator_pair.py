@@ -6,6 +6,7 @@ import torch
 from torch import Tensor
 
 from lfr.mapping.generator import Generator
+from lfr.networks.device import CPU
 from lfr.networks.stacked import Stacked
 
 
@@ -24,14 +25,15 @@ class GeneratorPair:
         networks: what learns of them.
     """
 
-    def __init__(self, g: Generator, f: Generator) -> None:
-        self.networks = Stacked([g.network, f.network])
-        self._centre = torch.stack([g.centre_in, f.centre_in])[:, None]  # of X and of Y
-        self._scale = torch.stack([g.scale_in, f.scale_in])[:, None]
+    def __init__(self, g: Generator, f: Generator, device: torch.device = CPU) -> None:
+        self.networks = Stacked([g.network, f.network], device)
+        self._centre = torch.stack([g.centre_in, f.centre_in])[:, None].to(device)  # of X and of Y
+        self._scale = torch.stack([g.scale_in, f.scale_in])[:, None].to(device)
 
     def standardised(self, k_x: Tensor, k_y: Tensor) -> Tensor:
         """k_x and k_y (N, 2Z) as the networks take them, (2, N, 2Z)."""
-        return (torch.stack([k_x, k_y]) - self._centre) / self._scale
+        pairs = torch.stack([k_x, k_y]).to(self._centre.device)
+        return (pairs - self._centre) / self._scale
 
     @torch.no_grad()
     def gradient(self, known: Tensor, weight: float) -> Tensor:

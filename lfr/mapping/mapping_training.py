@@ -11,6 +11,7 @@ from torch import Tensor
 
 from lfr.mapping.generator import Generator
 from lfr.mapping.generator_pair import GeneratorPair
+from lfr.networks.device import DeviceName, device_named
 from lfr.networks.optimizer import FlatAdam, annealed, clip_norm
 from lfr.skills.augmentation import augment
 from lfr.skills.prior import SkillPrior
@@ -35,6 +36,7 @@ class MappingParams:
     symmetry: SymmetryParams = field(default_factory=SymmetryParams)  # of the states compared
     state_noise: float = 0.1  # of an input's normalised unit: states between and beside the demos
     posterior_share: float = 0.5  # share of pairs that are both encoders' posteriors of one window
+    device: DeviceName = "auto"
 
 
 @dataclass(frozen=True)
@@ -89,12 +91,12 @@ def train_mapping(pairs: Pairs, params: MappingParams, seed: int) -> tuple[Gener
     g, f = (Generator(latent_dim, params.hidden, params.layers) for _ in range(2))
     g.fit_scales(pairs.k_x, pairs.k_y)
     f.fit_scales(pairs.k_y, pairs.k_x)
-    pair = GeneratorPair(g, f)
+    pair = GeneratorPair(g, f, device_named(params.device))
     known, networks = pair.standardised(pairs.k_x, pairs.k_y), pair.networks
     adam = FlatAdam(networks.vector, params.learning_rate)
     for step in range(params.steps):
         index = torch.randint(len(pairs.k_x), (params.batch,), generator=generator)
-        gradient = pair.gradient(known[:, index], params.cycle_weight)
+        gradient = pair.gradient(known[:, index.to(known.device)], params.cycle_weight)
         adam.lr = annealed(params.learning_rate, step, params.steps)
         adam.descend(clip_norm(gradient, MOST_NORM))
     networks.write_back()

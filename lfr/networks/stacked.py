@@ -8,6 +8,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
+from lfr.networks.device import CPU
 from lfr.networks.ensemble import Shape, Trace, differentiate, evaluate
 
 
@@ -17,11 +18,14 @@ class Stacked:
     Inputs are filled up with zeros to the widest; the weights of these learn nothing. The networks
     themselves stay as they are until `write_back`.
 
+    Args:
+        device: of the ensemble, whatever that of the networks.
+
     Attributes:
         vector: all parameters (P,); a change in place is a change of the ensemble.
     """
 
-    def __init__(self, networks: Sequence[nn.Sequential]) -> None:
+    def __init__(self, networks: Sequence[nn.Sequential], device: torch.device = CPU) -> None:
         self._networks = list(networks)
         linears, slopes = _linears(networks[0]), _slopes(networks[0])
         self.inputs = max(_linears(network)[0].in_features for network in networks)
@@ -32,7 +36,7 @@ class Stacked:
             outputs=linears[-1].out_features,
             slope=self._slope,
         )
-        self.vector = self._shape.initial()
+        self.vector = self._shape.initial().to(device)
         self._gradients = torch.zeros_like(self.vector)
         self._layers, self._slopes = (
             self._shape.layers(vector) for vector in (self.vector, self._gradients)

@@ -42,5 +42,6 @@ def log_probability(z: Tensor, mu: Tensor, log_sigma: Tensor) -> Tensor:
 
 def sample(mu: Tensor, log_sigma: Tensor, generator: torch.Generator | None = None) -> Tensor:
     """A reparameterised sample z = mu + sigma * epsilon, of mu's shape."""
-    epsilon = torch.randn(mu.shape, generator=generator, dtype=mu.dtype, device=mu.device)
+    # drawn on the CPU, so that it is the same on any device
+    epsilon = torch.randn(mu.shape, generator=generator, dtype=mu.dtype).to(mu.device)
     return mu + torch.exp(log_sigma) * epsilon

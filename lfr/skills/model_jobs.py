@@ -14,6 +14,7 @@ from lfr.artifacts import fingerprint
 from lfr.data.windows import WindowBatch
 from lfr.external import ExternalArm
 from lfr.jobs import Job
+from lfr.networks.device import device_named
 from lfr.skills.demonstrations import DATASETS, Demonstrations, balanced, read_tasks
 from lfr.skills.gaussian import kl_divergence, kl_to_standard_normal
 from lfr.skills.library import SkillFolder, skill_folder, tasks_name
@@ -104,7 +105,8 @@ def fit_vae(spec: VAETraining) -> dict[str, Any]:
     seed = model_seed(spec)
     windows = {task: known.training.actions for task, known in demonstrations.items()}
     names = next(iter(demonstrations.values())).actions.names
-    vae = train_vae(balanced(windows, seed), names, spec.params.vae, seed)
+    device = device_named(spec.params.device)
+    vae = train_vae(balanced(windows, seed), names, spec.params.vae, seed, device)
     save_vae(spec.models.vae, vae, _seen(spec.robot, demonstrations, seed))
     return {
         "tasks": spec.tasks,
@@ -117,7 +119,8 @@ def fit_priors(spec: PriorsTraining) -> dict[str, dict[str, Any]]:
     """Train and save skill priors; their held-out reports by task."""
     vae, training = load_vae(spec.vae.models.vae), spec.vae
     materials = (_material(training, task) for task in spec.tasks)  # read one after the other
-    priors = train_priors(vae, materials, training.params.prior)
+    device = device_named(training.params.device)
+    priors = train_priors(vae, materials, training.params.prior, device)
     reports = {}
     for task, prior in zip(spec.tasks, priors, strict=True):
         demonstrations = _read(training, (task,))

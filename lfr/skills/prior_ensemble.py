@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import torch
 from torch import Tensor
 
+from lfr.networks.device import CPU
 from lfr.networks.stacked import Stacked
 from lfr.skills.gaussian import kl_slopes
 from lfr.skills.prior import SkillPrior
@@ -20,8 +21,8 @@ class PriorEnsemble:
         networks: what learns of them.
     """
 
-    def __init__(self, priors: Sequence[SkillPrior]) -> None:
-        self.networks = Stacked([prior.network for prior in priors])
+    def __init__(self, priors: Sequence[SkillPrior], device: torch.device = CPU) -> None:
+        self.networks = Stacked([prior.network for prior in priors], device)
 
     @torch.no_grad()
     def gradient(self, inputs: Tensor, mu: Tensor, log_sigma: Tensor) -> Tensor:

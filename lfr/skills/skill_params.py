@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from lfr.errors import ParameterError
+from lfr.networks.device import DeviceName
 from lfr.skills.symmetry import SymmetryParams
 
 
@@ -47,6 +48,7 @@ class PriorParams:
 
 @dataclass(frozen=True)
 class SkillsParams:
+    device: DeviceName = "auto"
     vae: VAEParams = field(default_factory=VAEParams)
     prior: PriorParams = field(default_factory=PriorParams)
     held_out: float = 0.1  # share of each dataset's episodes kept for the report

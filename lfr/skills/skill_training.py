@@ -6,12 +6,14 @@ more to call than to carry out.
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import torch
 from torch import Tensor
 
+from lfr.networks.device import CPU
 from lfr.networks.optimizer import FlatAdam, annealed, clip_norm, flatten_parameters, trainable
 from lfr.skills.augmentation import augment
 from lfr.skills.prior import SkillPrior
@@ -24,7 +26,9 @@ MOST_NORM = 10.0  # of a model's gradient
 STEPS_AT_ONCE = 16  # of which the batches are drawn together
 
 
-def train_vae(actions: Tensor, names: Sequence[str], params: VAEParams, seed: int) -> SkillVAE:
+def train_vae(
+    actions: Tensor, names: Sequence[str], params: VAEParams, seed: int, device: torch.device = CPU
+) -> SkillVAE:
     """A skill VAE of action windows (N, H, A) in [-1, 1], named ``names``, all tasks together.
 
     Every task counts alike only if its windows do: give it as many as it should weigh.
@@ -33,15 +37,15 @@ def train_vae(actions: Tensor, names: Sequence[str], params: VAEParams, seed: in
     generator = torch.Generator().manual_seed(seed)
     vae = SkillVAE(
         params.horizon, actions.shape[-1], params.latent_dim, params.hidden, params.execute
-    )
+    ).to(device)
     weights = trainable(vae)
     adam = FlatAdam(flatten_parameters(vae), params.learning_rate)
     for step, batch in enumerate(_windows(actions, names, params, generator)):
-        loss, _ = vae_loss(vae, batch, params.alpha)
+        loss, _ = vae_loss(vae, batch.to(device), params.alpha)
         gradient = torch.cat([g.reshape(-1) for g in torch.autograd.grad(loss, weights)])
         adam.lr = annealed(params.learning_rate, step, params.steps)
         adam.descend(clip_norm(gradient, MOST_NORM))
-    return vae.eval()
+    return vae.cpu().eval()
 
 
 def _windows(
@@ -77,7 +81,10 @@ class PriorMaterial:
 
 
 def train_priors(
-    vae: SkillVAE, materials: Iterable[PriorMaterial], params: PriorParams
+    vae: SkillVAE,
+    materials: Iterable[PriorMaterial],
+    params: PriorParams,
+    device: torch.device = CPU,
 ) -> list[SkillPrior]:
     """A skill prior for each material, for a trained VAE; all of them trained as one network.
 
@@ -85,15 +92,18 @@ def train_priors(
     would be by itself. Materials may be read as they are asked for: of each, its states and their
     posteriors are kept, and no windows.
     """
-    learners = [_PriorLearner.start(vae, material, params) for material in materials]
-    ensemble = PriorEnsemble([learner.prior for learner in learners])
+    encoder = copy.deepcopy(vae).to(device)
+    learners = [_PriorLearner.start(encoder, material, params) for material in materials]
+    ensemble = PriorEnsemble([learner.prior for learner in learners], device)
     networks = ensemble.networks
     adam = FlatAdam(networks.vector, params.learning_rate, weight_decay=params.weight_decay)
     for first in range(0, params.steps, STEPS_AT_ONCE):
         steps = min(STEPS_AT_ONCE, params.steps - first)
         drawn = [learner.draw(steps, params) for learner in learners]
-        inputs = networks.together([inputs for inputs, _, _ in drawn])  # (E, steps, B, in)
-        mu, log_sigma = (torch.stack([one[i] for one in drawn]) for i in (1, 2))
+        inputs = networks.together([inputs for inputs, _, _ in drawn]).to(
+            device
+        )  # (E, steps, B, in)
+        mu, log_sigma = (torch.stack([one[i] for one in drawn]).to(device) for i in (1, 2))
         for k in range(steps):
             adam.lr = annealed(params.learning_rate, first + k, params.steps)
             gradient = ensemble.gradient(inputs[:, k], mu[:, k], log_sigma[:, k])

@@ -48,9 +48,14 @@ class SkillVAE(nn.Module):
 
     @torch.no_grad()
     def encode_all(self, actions: Tensor) -> tuple[Tensor, Tensor]:
-        """`encode` without gradients for any number of windows, some at a time to spare memory."""
-        parts = [self.encode(some) for some in actions.split(CHUNK)]
-        return torch.cat([mu for mu, _ in parts]), torch.cat([sigma for _, sigma in parts])
+        """`encode` without gradients for any number of windows, some at a time to spare memory.
+
+        What it gives lies where ``actions`` does, wherever the network is.
+        """
+        device = self.output.weight.device
+        parts = [self.encode(some.to(device)) for some in actions.split(CHUNK)]
+        mu, log_sigma = (torch.cat(part).to(actions.device) for part in zip(*parts, strict=True))
+        return mu, log_sigma
 
     def reconstruct(self, z: Tensor) -> Tensor:
         """The decoder's mean action sequence, unclipped, (B, H, A): what Eq. 3 compares."""

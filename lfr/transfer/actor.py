@@ -20,6 +20,10 @@ class Decoder(Protocol):
     @property
     def latent_dim(self) -> int: ...
 
+    def to(self, device: torch.device, /) -> object:
+        """Move its parameters, in place."""
+        ...
+
     def carry_out(self, z: Tensor, /) -> Tensor:
         """The actions (B, n, A) in [-1, 1] of skills (B, Z)."""
         ...
@@ -60,6 +64,17 @@ class SkillActor:
     decoder: Decoder
     distribution: Distribution = GAUSSIAN
 
+    def to(self, device: torch.device) -> SkillActor:
+        """Move all of its networks, in place."""
+        for network in (self.policy, self.prior, self.decoder):
+            network.to(device)
+        return self
+
+    @property
+    def device(self) -> torch.device:
+        """Where the policy's parameters are."""
+        return next(self.policy.parameters()).device
+
     def reset(self, seed: int) -> None:
         """Nothing is remembered; what `act` does is not drawn."""
 
@@ -67,13 +82,15 @@ class SkillActor:
     def choose(self, observations: Tensor, generator: torch.Generator | None = None) -> Choice:
         """Skills for observations (B, D): a sample with a generator, the mean without."""
         mu, log_sigma = self.policy(observations)
-        noise = None if generator is None else torch.randn(mu.shape, generator=generator)
+        noise = None
+        if generator is not None:
+            noise = torch.randn(mu.shape, generator=generator).to(mu.device)
         return Choice(self.distribution.skill(mu, log_sigma, noise), mu, log_sigma)
 
     @torch.no_grad()
     def decode(self, z: Tensor) -> NDArray[np.float64]:
         """Actions (B, n, A) in [-1, 1] of skills (B, Z), as many as the decoder carries out."""
-        return self.decoder.carry_out(z).double().numpy()
+        return self.decoder.carry_out(z).cpu().double().numpy()
 
     def act(self, observation: NDArray[np.floating]) -> NDArray[np.float64]:
         """The next skill's actions (n, A) for an observation (D,), or (B, n, A) for (B, D).
@@ -81,7 +98,7 @@ class SkillActor:
         The mean of the policy, not a sample.
         """
         rows = np.atleast_2d(observation)
-        actions = self.decode(self.choose(as_tensor(rows)).z)
+        actions = self.decode(self.choose(as_tensor(rows).to(self.device)).z)
         return actions if np.ndim(observation) > 1 else actions[0]
 
 

@@ -44,6 +44,12 @@ class CriticEnsemble:
         self.vector, self.gradient = vector, torch.zeros_like(vector)
         self.layers, self.slopes = self.shape.layers(vector), self.shape.layers(self.gradient)
 
+    def to(self, device: torch.device) -> CriticEnsemble:
+        """Move all of it, in place."""
+        self.normalizer.to(device)
+        self._hold(self.vector.to(device))
+        return self
+
     def clone(self) -> CriticEnsemble:
         """Critics of their own with the same parameters."""
         other = copy.copy(self)

@@ -19,7 +19,7 @@ class StandardNormal(nn.Module):
         self.latent_dim = latent_dim
 
     def forward(self, observations: Tensor) -> tuple[Tensor, Tensor]:
-        nothing = torch.zeros(len(observations), self.latent_dim)
+        nothing = observations.new_zeros(len(observations), self.latent_dim)
         return nothing, nothing
 
 

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import torch
 from torch import Tensor, nn
 
+from lfr.networks.device import CPU
 from lfr.networks.optimizer import FlatAdam, flatten_parameters, trainable
 from lfr.transfer.critic import CriticEnsemble, critic_loss, pessimistic, td_target
 from lfr.transfer.distribution import GAUSSIAN, Distribution, tempered
@@ -29,14 +30,15 @@ class Inputs(NamedTuple):
 class Learner:
     """Policy, critics, target critics and temperature, and how one batch changes them.
 
-    The policy's parameters become views into one vector, in place: the caller's policy is the one
-    that learns.
+    The policy goes to the device and its parameters become views into one vector, in place: the
+    caller's policy is the one that learns.
 
     Args:
         policy: pi' = phi o pi (Eq. 7), observations (B, D) to (mu, log_sigma).
         normalizer: maps raw observations (B, D) to unit scale for the critics.
-        generator: all of the update's noise comes from it.
+        generator: all of the update's noise comes from it; on the CPU, as batches may be.
         distribution: how the policy's (mu, log_sigma) become a skill.
+        device: where all this is computed.
     """
 
     def __init__(
@@ -48,16 +50,18 @@ class Learner:
         params: TransferParams,
         generator: torch.Generator,
         distribution: Distribution = GAUSSIAN,
+        device: torch.device = CPU,
     ) -> None:
         self.params, self.generator, self.distribution = params, generator, distribution
-        self.policy, self.policy_parameters = policy, trainable(policy)
+        self.device, self.policy = device, policy.to(device)
+        self.policy_parameters = trainable(policy)
         inputs = normalizer(torch.zeros(1, observation_dim)).shape[-1]  # may hold more than D
         self.critics = CriticEnsemble(
             copy.deepcopy(normalizer), inputs, latent_dim, params.critics,
             params.critic_hidden, layer_norm=params.layer_norm,
-        )  # fmt: skip
+        ).to(device)  # fmt: skip
         self.target = self.critics.clone()
-        self.temperature = Temperature(params.initial_alpha)
+        self.temperature = Temperature(params.initial_alpha, device)
         self.policy_adam = FlatAdam(flatten_parameters(policy), params.policy_lr)
         self.critic_adam = FlatAdam(self.critics.vector, params.critic_lr)
         self.alpha_adam = FlatAdam(self.temperature.log_alpha, params.alpha_lr)
@@ -74,7 +78,8 @@ class Learner:
             Of each step scalars that describe it, detached; those of the policy only where it made
             one.
         """
-        noise = torch.randn(2, *batch.z.shape, generator=self.generator)
+        noise = torch.randn(2, *batch.z.shape, generator=self.generator).to(self.device)
+        batch = Batch(*(column.to(self.device) for column in batch))
         now, later = self.see(batch.observation), self.see(batch.next_observation)
         if len(batch.reward) % count:
             raise ValueError(f"a batch of {len(batch.reward)} has no {count} equal parts")

@@ -21,6 +21,7 @@ from torch import Tensor
 
 from lfr.artifacts import as_json
 from lfr.errors import LfrError
+from lfr.networks.device import device_named
 from lfr.transfer.actor import as_tensor
 from lfr.transfer.checkpoint import load_checkpoint, save_checkpoint
 from lfr.transfer.environment import Array, Outcome, Resumable, RewardRule, RunningEpisode
@@ -71,7 +72,9 @@ class TransferLoop:
     ) -> None:
         if len(simulations) != params.simulations:
             raise LfrError(f"found {len(simulations)} simulations, expected {params.simulations}")
-        self.actor, self.params, self.seed, self.work = initialization.actor, params, seed, work
+        self.device = device_named(params.device)
+        self.actor = initialization.actor.to(self.device)
+        self.params, self.seed, self.work = params, seed, work
         size, latent_dim = len(initialization.layout_names), initialization.latent_dim
         self.observer = observer or Observer()
         self.rule = RewardRule(params.reward, params.dense_scale)
@@ -80,7 +83,7 @@ class TransferLoop:
             torch.manual_seed(seed)  # the critics' initial weights
             self.learner = Learner(
                 self.actor.policy, initialization.normalizer, size, latent_dim, params,
-                self.generator, self.actor.distribution,
+                self.generator, self.actor.distribution, self.device,
             )  # fmt: skip
         self.replay = Replay(params.replay, size, latent_dim)
         self.progress = Progress()
@@ -117,15 +120,15 @@ class TransferLoop:
         The simulation releases the GIL, so the two share the cores. What the round's skills gave is
         stored after its updates: always, however long either takes, so a run stays determined.
         """
-        observations = np.stack([episode.observation for episode in self.episodes])
-        choice = self.actor.choose(as_tensor(observations), self.generator)
+        observations = self._seen([episode.observation for episode in self.episodes])
+        choice = self.actor.choose(observations, self.generator)
         actions = self.actor.decode(choice.z)
         executing = self.worker.submit(self._execute, actions)
         try:
             self._update()
         finally:
             outcomes = executing.result()  # also if the learner diverged: nothing is left running
-        self._store(as_tensor(observations), choice.z, outcomes)
+        self._store(observations, choice.z, outcomes)
         self.progress.skills += len(outcomes)
         for episode, outcome in zip(self.episodes, outcomes, strict=True):
             self.progress.env_steps += outcome.steps
@@ -145,11 +148,15 @@ class TransferLoop:
             for episode, skill in zip(self.episodes, actions, strict=True)
         ]
 
+    def _seen(self, observations: Sequence[Array]) -> Tensor:
+        """Observations (D,) of B simulations as the networks take them, (B, D)."""
+        return as_tensor(np.stack(observations)).to(self.device)
+
     def _store(self, observations: Tensor, z: Tensor, outcomes: Sequence[Outcome]) -> None:
         keep = [i for i, outcome in enumerate(outcomes) if outcome.valid]
         if not keep:
             return
-        after = as_tensor(np.stack([outcomes[i].observation for i in keep]))
+        after = self._seen([outcomes[i].observation for i in keep])
         rewards = torch.tensor([outcomes[i].reward for i in keep])
         # A terminal state ends the return; a time limit only ends the episode, so it bootstraps.
         discounts = torch.tensor(

@@ -50,7 +50,7 @@ class Replay:
     def add(self, batch: Batch) -> None:
         """Append N transitions, N <= capacity."""
         columns = [c[:, None] if c.dim() == 1 else c for c in batch]
-        rows = torch.cat([c.to(torch.float32) for c in columns], dim=1)
+        rows = torch.cat([c.to(self.rows) for c in columns], dim=1)
         places = (self.cursor + torch.arange(len(rows))) % self.capacity
         self.rows[places] = rows
         self.cursor = (self.cursor + len(rows)) % self.capacity

@@ -7,12 +7,14 @@ import math
 import torch
 from torch import Tensor
 
+from lfr.networks.device import CPU
+
 
 class Temperature:
     """alpha = exp(log_alpha) > 0, so the multiplier of the constraint KL <= target never flips."""
 
-    def __init__(self, initial_alpha: float) -> None:
-        self.log_alpha = torch.tensor([math.log(initial_alpha)])
+    def __init__(self, initial_alpha: float, device: torch.device = CPU) -> None:
+        self.log_alpha = torch.tensor([math.log(initial_alpha)], device=device)
 
     def __call__(self) -> Tensor:
         """alpha, a scalar without gradient: the losses of policy and critics take it as given."""

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from lfr.errors import ParameterError
+from lfr.networks.device import DeviceName
 
 
 @dataclass(frozen=True)
@@ -47,6 +48,7 @@ class TransferParams:
     evaluate_every: int = 5_000  # environment steps
     evaluation_episodes: int = 20  # on learning seeds, never on held-out ones
     checkpoint_every: int = 10_000  # environment steps
+    device: DeviceName = "auto"
 
     def __post_init__(self) -> None:
         positive = (
