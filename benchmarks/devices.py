@@ -38,6 +38,7 @@ ROWS, TASKS = 5_000, ("lift", "nut_assembly", "stack")
 ACTION = embodiment("panda").action.names
 LAYOUT = task("nut_assembly").observation.names
 MANY, WIDE = 16, 4
+STEPS, FEWER = 240, 48  # timed at a time
 
 Trained = Callable[[str], object]
 """Trains for a number of steps on the device of that name."""
@@ -107,36 +108,50 @@ def measure(
     skills: SkillsParams, mapped: MappingParams, params: TransferParams, repeats: int
 ) -> list[Figure]:
     """All figures, each printed as soon as it is known."""
-    few = 240
-    one_vae, one_prior = replace(skills.vae, steps=few), replace(skills.prior, steps=few)
-    one_mapping = replace(mapped, steps=few)
-    wide_critics = tuple(WIDE * width for width in params.critic_hidden)
-    parts: dict[str, Trained] = {
-        "skill_vae": vae(one_vae),
-        f"skill_vae/batch_x{MANY}": vae(replace(one_vae, batch=MANY * one_vae.batch)),
-        f"skill_vae/hidden_x{WIDE}": vae(replace(one_vae, hidden=WIDE * one_vae.hidden)),
-        "priors_of_three_tasks": priors(skills, one_prior),
-        f"priors_of_three_tasks/batch_x{MANY}": priors(
-            skills, replace(one_prior, batch=MANY * one_prior.batch)
-        ),
-        f"priors_of_three_tasks/hidden_x{WIDE}": priors(
-            skills, replace(one_prior, hidden=WIDE * one_prior.hidden)
-        ),
-        "mapping": mapping(skills, one_mapping),
-        f"mapping/batch_x{MANY}": mapping(
-            skills, replace(one_mapping, batch=MANY * one_mapping.batch)
-        ),
-        "learner": learner(skills, mapped, params, few),
-        f"learner/batch_x{MANY}": learner(
-            skills, mapped, replace(params, batch=MANY * params.batch), few
-        ),
-        f"learner/critics_x{WIDE}": learner(
-            skills, mapped, replace(params, critic_hidden=wide_critics), few
-        ),
-    }
+    parts: dict[str, tuple[Trained, int]] = {}
+
+    def add(name: str, made: Callable[[int], Trained], steps: int) -> None:
+        parts[name] = made(steps), steps
+
+    one, other = skills.vae, skills.prior
+    large = f"batch_x{MANY}", f"hidden_x{WIDE}"
+    add("skill_vae", lambda n: vae(replace(one, steps=n)), STEPS)
+    add(
+        f"skill_vae/{large[0]}", lambda n: vae(replace(one, steps=n, batch=MANY * one.batch)), FEWER
+    )
+    add(
+        f"skill_vae/{large[1]}",
+        lambda n: vae(replace(one, steps=n, hidden=WIDE * one.hidden)),
+        FEWER,
+    )
+    add("priors_of_three_tasks", lambda n: priors(skills, replace(other, steps=n)), STEPS)
+    add(
+        f"priors_of_three_tasks/{large[0]}",
+        lambda n: priors(skills, replace(other, steps=n, batch=MANY * other.batch)),
+        FEWER,
+    )
+    add(
+        f"priors_of_three_tasks/{large[1]}",
+        lambda n: priors(skills, replace(other, steps=n, hidden=WIDE * other.hidden)),
+        FEWER,
+    )
+    add("mapping", lambda n: mapping(skills, replace(mapped, steps=n)), STEPS)
+    add(
+        f"mapping/{large[0]}",
+        lambda n: mapping(skills, replace(mapped, steps=n, batch=MANY * mapped.batch)),
+        FEWER,
+    )
+    add("learner", lambda n: learner(skills, mapped, params, n), STEPS)
+    add(
+        f"learner/{large[0]}",
+        lambda n: learner(skills, mapped, replace(params, batch=MANY * params.batch), n),
+        FEWER,
+    )
+    wide = replace(params, critic_hidden=tuple(WIDE * width for width in params.critic_hidden))
+    add(f"learner/critics_x{WIDE}", lambda n: learner(skills, mapped, wide, n), FEWER)
     figures = []
-    for name, trained in parts.items():
-        sides = (_rate(trained, side, few) for side in ("cuda", "cpu"))
+    for name, (trained, steps) in parts.items():
+        sides = (_rate(trained, side, steps) for side in ("cuda", "cpu"))
         figures.append(compare(name, "steps/s", 1.0, *sides, repeats))
         show(figures[-1])
     return figures

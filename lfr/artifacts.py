@@ -206,8 +206,15 @@ def provenance() -> dict[str, Any]:
         "modified": bool(_git("status", "--porcelain", "--untracked-files=no", "--", *SOURCES)),
         "python": platform.python_version(),
         "platform": f"{platform.system()} {platform.machine()}",
-        "packages": {name: metadata.version(name) for name in PACKAGES},
+        "packages": {name: _version(name) for name in PACKAGES},
     }
+
+
+def _version(package: str) -> str | None:
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:  # a benchmark can do without most of them
+        return None
 
 
 def _git(*arguments: str) -> str | None:

@@ -7,6 +7,7 @@ more to call than to carry out.
 from __future__ import annotations
 
 import copy
+import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
@@ -40,6 +41,8 @@ def train_vae(
     ).to(device)
     weights = trainable(vae)
     adam = FlatAdam(flatten_parameters(vae), params.learning_rate)
+    # cuDNN would have each LSTM's weights by themselves; here they are parts of one vector
+    warnings.filterwarnings("ignore", message="RNN module weights are not part")
     for step, batch in enumerate(_windows(actions, names, params, generator)):
         loss, _ = vae_loss(vae, batch.to(device), params.alpha)
         gradient = torch.cat([g.reshape(-1) for g in torch.autograd.grad(loss, weights)])
