@@ -15,7 +15,9 @@ from lfr.skills.prior import SkillPrior
 from lfr.skills.vae import SkillVAE
 
 VAE = ModelKind("skill_vae", SkillVAE, ("horizon", "action_dim", "latent_dim", "hidden", "execute"))
-PRIOR = ModelKind("skill_prior", SkillPrior, ("layout_names", "latent_dim", "hidden", "layers"))
+PRIOR = ModelKind(
+    "skill_prior", SkillPrior, ("layout_names", "latent_dim", "hidden", "layers", "turned")
+)
 
 
 @dataclass(frozen=True)

@@ -1,17 +1,20 @@
 """Demonstrations seen from elsewhere: the whole scene turned, mirrored and shifted.
 
 Under Cartesian control an arm's task looks the same in a scene that is turned about the vertical,
-mirrored, or shifted, up to its reach: the demonstrator would do the turned, mirrored actions. Under
-joint control it would do the same actions in a scene that is turned, and nothing is known of the
-other two. So fifty demonstrations tell more than fifty, and a prior cannot learn an episode by
-heart from where its objects stand. It does not hold for asymmetric hands.
+mirrored, or shifted, up to its reach: the demonstrator would do the turned, mirrored actions. So
+fifty demonstrations tell more than fifty, and a prior cannot learn an episode by heart from where
+its objects stand. It does not hold for asymmetric hands.
+
+Under joint control the demonstrator would do the same actions in a scene that is turned, and
+nothing is known of the other two. There no copies are needed: a prior sees the scene in the frame
+of the hand's azimuth, in which all turned copies are one (`lfr.skills.prior.Normalizer`).
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import torch
 from torch import Tensor
@@ -119,12 +122,11 @@ def suited(params: SymmetryParams, names: Sequence[str]) -> SymmetryParams:
     """What is known of how an action moves with the scene, of what ``params`` asks for.
 
     Joint motions stay as they are where the scene is turned about the vertical of a base whose
-    first joint is vertical, as every arm's here is; nothing else is known of them.
+    first joint is vertical, as every arm's here is; nothing else is known of them, and who sees the
+    scene in the frame of the hand's azimuth needs no turned copies.
     """
     moves = {quantity.moves for quantity in space(names).quantities}
-    if "unknown" in moves:
-        return AS_RECORDED
-    return replace(params, shift=0.0, mirror=False) if "with the base" in moves else params
+    return AS_RECORDED if moves & {"unknown", "with the base"} else params
 
 
 def moved_copies(
@@ -160,6 +162,26 @@ def moved_states(
     many = observations.repeat(copies, 1)
     motion = SceneMotion.draw(len(many), params, generator)
     return torch.cat([observations, move(many, names, motion)])
+
+
+def actions_turn_with_base(names: Sequence[str]) -> bool:
+    """Whether actions called ``names`` stay as they are where scene and arm are turned together."""
+    return any(quantity.moves == "with the base" for quantity in space(names).quantities)
+
+
+def turning(names: Sequence[str]) -> list[tuple[int, int]]:
+    """Where the x and the y of all that turns with the scene are, of dimensions called ``names``.
+
+    Raises:
+        LfrError: a quantity of which it is not known how it moves.
+    """
+    places: list[tuple[int, int]] = []
+    for quantity, place in space(names).items():
+        if quantity.moves in ("point", "vector", "axial", "rotation"):
+            places += [(x, x + 1) for x in range(place.start, place.stop, 3)]
+        elif quantity.moves not in ("not at all", "relative angle"):
+            raise LfrError(f"how {quantity.name!r} moves with the scene is not known")
+    return places
 
 
 AS_RECORDED = SymmetryParams(copies=0, turn=0.0, shift=0.0, mirror=False)

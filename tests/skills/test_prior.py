@@ -17,8 +17,9 @@ from lfr.skills.saved_models import (
     save_prior,
     save_vae,
 )
+from lfr.skills.symmetry import SceneMotion, SymmetryParams, move
 from lfr.skills.vae import SkillVAE
-from lfr.tasks import task
+from lfr.tasks import TASKS, task
 
 NAMES = task("lift").observation.names
 OSC = embodiment("panda").action.names
@@ -102,3 +103,30 @@ def test_another_kind_of_model_is_refused(tmp_path: Path) -> None:
     save_prior(tmp_path / "prior", prior(), SEEN)
     with pytest.raises(DataError, match=r"another kind of model.*skill_prior.*skill_vae"):
         load_vae(tmp_path / "prior")
+
+
+@pytest.mark.parametrize("name", TASKS)
+def test_a_turned_prior_sees_a_turned_scene_as_the_same(name: str) -> None:
+    names = task(name).observation.names
+    made, plain = (SkillPrior(names, 3, 8, 2, turned) for turned in (True, False))
+    generator = torch.Generator().manual_seed(3)
+    seen = torch.randn(40, len(names), generator=generator)
+    turn = SymmetryParams(copies=1, turn=3.0, mirror=False, shift=0.0)
+    elsewhere = move(seen, names, SceneMotion.draw(40, turn, generator))
+    torch.testing.assert_close(made(elsewhere), made(seen), atol=1e-4, rtol=1e-4)
+    assert not torch.allclose(plain(elsewhere)[0], plain(seen)[0], atol=1e-2)
+    # What it sees is the scene in which the hand is over the x axis, and nothing else of it.
+    azimuth = torch.atan2(seen[:, 1], seen[:, 0])
+    level = SceneMotion(-azimuth, torch.ones(40), torch.zeros(40, 3), turns_alone=True)
+    plain.load_state_dict(made.state_dict())
+    torch.testing.assert_close(plain(move(seen, names, level)), made(seen), atol=1e-4, rtol=1e-4)
+    made.normalizer.fit(seen, names)
+    assert made.normalizer.mean[1] == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_turned_prior_comes_back_turned(tmp_path: Path) -> None:
+    made = SkillPrior(NAMES, 3, 8, 2, turned=True)
+    save_prior(tmp_path / "prior", made, SEEN)
+    seen = observations(5)
+    found = load_prior(tmp_path / "prior", NAMES)(seen)
+    assert all(torch.equal(a, b) for a, b in zip(found, made(seen), strict=True))

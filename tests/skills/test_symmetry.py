@@ -145,23 +145,8 @@ def test_joint_motions_are_the_same_in_a_turned_scene_and_unknown_in_another(joi
 def test_what_is_asked_for_is_cut_down_to_what_is_known_of_the_action() -> None:
     asked, (_, joints) = SymmetryParams(), joint_actions(6)
     assert suited(asked, OSC) == asked
-    kept = suited(asked, joints)
-    assert (kept.copies, kept.turn) == (asked.copies, asked.turn)
-    assert (kept.shift, kept.mirror) == (0.0, False)
+    assert suited(asked, joints).copies == 0  # a prior sees them in the frame of the azimuth
     assert suited(asked, ("number.left", "gripper")).copies == 0
-
-
-def test_copies_of_joint_demonstrations_turn_the_scene_alone() -> None:
-    names = TASKS["lift"].observation.names
-    actions, action_names = joint_actions(6)
-    observations = torch.randn(4, len(names))
-    generator = torch.Generator().manual_seed(0)
-    params = SymmetryParams(copies=1)
-    seen, done = moved_copies(observations, actions, names, action_names, params, generator)
-    assert torch.equal(done, torch.cat([actions, actions]))
-    place = names.index("cube_pos.z")
-    assert torch.equal(seen[4:, place], observations[:, place])  # not shifted
-    assert not torch.allclose(seen[4:, place - 1], observations[:, place - 1])
 
 
 def test_an_unknown_quantity_is_refused() -> None:

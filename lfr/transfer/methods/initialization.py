@@ -99,6 +99,6 @@ def initialize_from(
 
 def new_pi(reference: SkillPrior, latent_dim: int, hidden: int, layers: int) -> SkillPrior:
     """A policy that has learned nothing; it sees the observation in the reference's units."""
-    pi = SkillPrior(reference.layout_names, latent_dim, hidden, layers)
+    pi = SkillPrior(reference.layout_names, latent_dim, hidden, layers, reference.turned)
     pi.normalizer.load_state_dict(reference.normalizer.state_dict())
     return pi
