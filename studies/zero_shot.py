@@ -2,10 +2,9 @@
 
 Besides the policies of the chain (`lfr.evaluation.chain`):
 
-    no_generator    source prior, target decoder, nothing between
     oracle_decoder  source prior, its decoded actions through the oracle's VAE: is it the decoder?
     shared_vae      source prior and decoder of one VAE of both arms
-    linear, no_cycle, shuffled, untrained, constant, only_<task>
+    no_cycle, shuffled, untrained, constant, only_<task>
                     source prior, another phi, target decoder (`studies.ablations.maps`)
     between_seeds   source prior, phi to another VAE of the source, its decoder, on the source
     wrong_task      source prior of a common task, G, target decoder
@@ -25,10 +24,10 @@ from lfr.policies import Pinned
 from lfr.scenarios import Role, Transfer
 from lfr.skills.library import RoleModels, same_actions
 from lfr.skills.saved_models import check_actions, load_vae
-from lfr.skills.skill_policy import SkillFiles, SkillPolicy
+from lfr.skills.skill_policy import SkillFiles, SkillPolicy, UntranslatedFiles
 from studies.ablations.other_task import load_other_task
 
-PHI = ("linear", "no_cycle", "shuffled", "untrained", "constant")
+PHI = ("no_cycle", "shuffled", "untrained", "constant")
 
 
 @dataclass(frozen=True)
@@ -56,7 +55,7 @@ def model_trials(
     """The policies that need nothing but a repetition's skill models and mapping."""
     task = transfer.task
     prior, vae = str(skills["source"].prior(task)), str(skills["source"].vae())
-    policies: dict[str, Files] = {"no_generator": SkillFiles(prior, str(skills["target"].vae()))}
+    policies: dict[str, Files] = {}
     if transfer.oracle:
         oracle = str(skills["oracle"].vae())
         policies["oracle"] = SkillFiles(str(skills["oracle"].prior(task)), oracle)
@@ -111,5 +110,5 @@ def _on_target(transfer: Transfer, policies: dict[str, Files], episodes: int) ->
 
 
 def _known(trial: Trial) -> Trial:
-    assert isinstance(trial.policy, SkillFiles | MappedFiles)
+    assert isinstance(trial.policy, SkillFiles | MappedFiles | UntranslatedFiles)
     return replace(trial, policy=Pinned.of(trial.policy))

@@ -59,7 +59,8 @@ def test_a_transfer_runs_without_the_links_that_carry_the_sources_actions_over(
 
     chain = chain_records([name])[name]
     assert (chain["source"], chain["target"]) == (source, target)
-    assert tuple(chain["zero_shot"]) == ("own_arm", "mapped", "oracle")
+    links = ("own_arm", "identity", "no_generator", "linear", "mapped", "oracle")
+    assert tuple(chain["zero_shot"]) == links
     found = read_json(Path("results/mapping") / f"{name}.json")
     assert all(not one["decoded_difference"] for one in found["common"].values())
     seen = [load_seen(Path("models/skills") / robot / "lift+pick_place/vae")

@@ -2,16 +2,18 @@
 
 Every link is zero-shot success on the transfer's new task, over the same held-out starts:
 
-    own_arm   source prior, source decoder, on the source
-    identity  source prior, source decoder, on the target: the arms' difference alone
-    recoded   source prior, its decoded actions through the target's VAE: what that VAE can say
-    mapped    source prior, G, target decoder: what transfer learning starts from
-    oracle    the target's own prior of the new task, with the decoder of all its tasks
+    own_arm       source prior, source decoder, on the source
+    identity      source prior, source decoder, on the target: the arms' difference alone
+    no_generator  source prior, target decoder, nothing between
+    recoded       source prior, its decoded actions through the target's VAE: what that VAE can say
+    linear        source prior, the best linear map of G's own pairs, target decoder
+    mapped        source prior, G, target decoder: what transfer learning starts from
+    oracle        the target's own prior of the new task, with the decoder of all its tasks
 
-Where the two arms' actions are different things, such as motions of their joints, there is neither
-identity nor recoded. The first and the last are what a prior does on its own arm
-(`lfr.evaluation.own_arm`), which the skills stage measures; `lfr.evaluation.records.chain_records`
-puts the chain together.
+Where the two arms' actions are different things, such as motions of their joints, identity has the
+target carry them out all the same, joint by joint, and there is no recoded. The first and the last
+are what a prior does on its own arm (`lfr.evaluation.own_arm`), which the skills stage measures;
+`lfr.evaluation.records.chain_records` puts the chain together.
 """
 
 from __future__ import annotations
@@ -28,7 +30,7 @@ from lfr.mapping.mapping_jobs import MappingJob, fit_mapping
 from lfr.policies import PolicySource
 from lfr.scenarios import Role, Transfer
 from lfr.skills.library import RoleModels, same_actions
-from lfr.skills.skill_policy import SkillFiles
+from lfr.skills.skill_policy import SkillFiles, UntranslatedFiles
 
 
 def chain_trials(
@@ -46,10 +48,14 @@ def chain_trials(
     """
     task, source = transfer.task, skills["source"]
     prior, vae, target_vae = map(str, (source.prior(task), source.vae(), skills["target"].vae()))
-    policies: dict[str, PolicySource] = {}
-    if same_actions(skills):
-        policies["identity"] = SkillFiles(prior, vae)
+    alike = same_actions(skills)
+    policies: dict[str, PolicySource] = {
+        "identity": SkillFiles(prior, vae) if alike else UntranslatedFiles(prior, vae),
+        "no_generator": SkillFiles(prior, target_vae),
+    }
+    if alike:
         policies["recoded"] = SkillFiles(prior, target_vae, encoder=vae)
+    policies["linear"] = MappedFiles(prior, str(mapping / "linear"), target_vae)
     policies["mapped"] = MappedFiles(prior, str(mapping / "g"), target_vae)
     return {name: Trial(files, transfer.target, task, episodes) for name, files in policies.items()}
 
@@ -67,7 +73,7 @@ def train_and_measure(
     """
     mapping = Job(fit_mapping, spec)
     shards = {
-        name: trial_jobs(trial, (mapping,) if name == "mapped" else ())
+        name: trial_jobs(trial, (mapping,) if name in ("linear", "mapped") else ())
         for name, trial in trials.items()
     }
     jobs = [mapping, *itertools.chain(*shards.values())]

@@ -11,7 +11,9 @@ from lfr.artifacts import read_json
 from lfr.errors import DataError
 
 RESULTS = Path("results")
-CHAIN = ("own_arm", "identity", "recoded", "mapped", "oracle")  # `lfr.evaluation.chain`
+CHAIN = ("own_arm", "identity", "no_generator", "recoded", "linear", "mapped", "oracle")
+"""The links, as `lfr.evaluation.chain` describes them."""
+
 STAGES = ("record", "pack", "skills", "mapping", "transfer", "evaluate")
 Record = dict[str, Any]
 

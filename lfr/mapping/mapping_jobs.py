@@ -14,6 +14,7 @@ from torch import Tensor
 from lfr.artifacts import fingerprint
 from lfr.embodiments import embodiment, may_share_actions
 from lfr.external import ExternalArm
+from lfr.mapping.closed_form import linear
 from lfr.mapping.map_quality import common_report, decoded_difference, new_task_report
 from lfr.mapping.mapping_training import (
     ActionWindows,
@@ -39,7 +40,7 @@ class MappingJob:
     Attributes:
         held_out: as the skills were trained with, so that what was held out there is here too.
         skills: the transfer's skill models.
-        folder: where ``g`` and ``f`` are saved.
+        folder: where ``g``, ``f`` and ``linear`` are saved.
         seed: of the skills' split and, with the transfer's name, of this training.
         datasets: folder of the datasets of arms that this project simulates.
         arms: those that are external, by name.
@@ -96,7 +97,10 @@ class Material:
 
 
 def fit_mapping(job: MappingJob) -> dict[str, Any]:
-    """Train and save G and F (Algorithm 1), from states of both arms' common demonstrations."""
+    """Train and save G and F (Algorithm 1), from states of both arms' common demonstrations.
+
+    Beside them the best linear map of the same pairs, which stands in for G in the chain.
+    """
     transfer, arms = job.transfer, (job.skills["source"], job.skills["target"])
     vaes = load_vae(arms[0].vae()), load_vae(arms[1].vae())
     seed = int(fingerprint(transfer.name, job.seed), 16) % 2**31
@@ -110,6 +114,7 @@ def fit_mapping(job: MappingJob) -> dict[str, Any]:
     )  # fmt: skip
     save_generator(Path(job.folder) / "g", g, seen)
     save_generator(Path(job.folder) / "f", f, seen)
+    save_generator(Path(job.folder) / "linear", linear(*pairs), seen)
 
     def decoded(prior: SkillPrior, states: Tensor) -> dict[str, float]:
         if known.action_names is None:

@@ -48,7 +48,7 @@ class PriorParams:
 
 @dataclass(frozen=True)
 class SkillsParams:
-    device: DeviceName = "auto"  # of both
     vae: VAEParams = field(default_factory=VAEParams)
     prior: PriorParams = field(default_factory=PriorParams)
     held_out: float = 0.1  # share of each dataset's episodes kept for the report
+    device: DeviceName = "auto"

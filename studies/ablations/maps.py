@@ -9,6 +9,7 @@ from typing import Any, Literal
 import torch
 
 from lfr.artifacts import fingerprint
+from lfr.mapping.closed_form import constant
 from lfr.mapping.generator import Generator
 from lfr.mapping.map_quality import decoded_difference, l1
 from lfr.mapping.mapping_jobs import MappingJob, Material, read_material
@@ -18,9 +19,8 @@ from lfr.skills.library import RoleModels
 from lfr.skills.saved_models import load_vae
 from lfr.skills.vae import SkillVAE
 from studies.ablations.between_seeds import material_between
-from studies.ablations.closed_form import constant, linear
 
-MapKind = Literal["trained", "linear", "constant", "shuffled"]
+MapKind = Literal["trained", "constant", "shuffled"]
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class MapJob:
 def map_jobs(mapping: MappingJob, other_skills: RoleModels, folder: Path) -> dict[str, MapJob]:
     """Every other phi of a transfer, by the name of its folder in ``folder``.
 
-    - linear, constant: closed form (`studies.ablations.closed_form`);
+    - constant: closed form (`lfr.mapping.closed_form`; the chain has the linear one);
     - untrained: G's random weights between the fitted scales;
     - shuffled: Algorithm 1 on pairs of which it is lost who belongs to whom;
     - no_cycle: Algorithm 1 with lambda = 0;
@@ -64,7 +64,6 @@ def map_jobs(mapping: MappingJob, other_skills: RoleModels, folder: Path) -> dic
         **alone,
     }
     jobs = {
-        "linear": MapJob("linear", mapping),
         "constant": MapJob("constant", mapping),
         "shuffled": MapJob("shuffled", mapping),
         "between_seeds": MapJob("trained", mapping, other_skills),
@@ -105,7 +104,7 @@ def fitted(job: MapJob, known: Material, vaes: tuple[SkillVAE, SkillVAE], seed: 
         pairs = shuffled(pairs, seed)
     if job.kind in ("trained", "shuffled"):
         return train_mapping(pairs, params, seed)[0]
-    return {"linear": linear, "constant": constant}[job.kind](*pairs)
+    return constant(*pairs)
 
 
 def shuffled(pairs: Pairs, seed: int) -> Pairs:

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from lfr.embodiments import embodiment
 from lfr.errors import DataError
 from lfr.evaluation.chain import chain_trials
 from lfr.evaluation.trials import Trial
@@ -15,7 +16,7 @@ from lfr.mapping.saved_generators import MappingSeen, save_generator
 from lfr.scenarios import Scenario, transfers_of
 from lfr.skills.library import transfer_models
 from lfr.skills.prior import SkillPrior
-from lfr.skills.skill_policy import SkillFiles
+from lfr.skills.skill_policy import SkillFiles, UntranslatedFiles
 from lfr.skills.vae import SkillVAE
 from lfr.tasks import TASKS
 from tests.skills.made_up import actions_of, save_models
@@ -34,18 +35,23 @@ def chain(source: str, target: str, folder: Path) -> dict[str, Trial]:
         save_models(skills[role], SkillVAE(4, len(actions.names), 3, 4), priors)
     spaces = skills["source"].name, skills["target"].name
     seen = MappingSeen(transfer.name, source, target, spaces, transfer.common, {}, 0)
-    save_generator(mapping / "g", Generator(3, 4, 2), seen)
+    for name in ("g", "linear"):
+        save_generator(mapping / name, Generator(3, 4, 2), seen)
     return chain_trials(transfer, skills, mapping, 10)
+
+
+ALIKE = ("identity", "no_generator", "recoded", "linear", "mapped")
+OTHER = ("identity", "no_generator", "linear", "mapped")
 
 
 @pytest.mark.parametrize(
     ("source", "target", "links"),
     [
-        ("sawyer", "panda", ("identity", "recoded", "mapped")),
-        ("panda", "ur5e", ("identity", "recoded", "mapped")),
-        ("panda", "panda-joint_position", ("mapped",)),
-        ("panda-joint_position", "sawyer-joint_position", ("mapped",)),
-        ("panda", "ur5e-joint_position", ("mapped",)),
+        ("sawyer", "panda", ALIKE),
+        ("panda", "ur5e", ALIKE),
+        ("panda", "panda-joint_position", OTHER),
+        ("panda-joint_position", "sawyer-joint_position", OTHER),
+        ("panda", "ur5e-joint_position", OTHER),
     ],
 )
 def test_a_chain_has_the_links_that_its_arms_allow(
@@ -85,3 +91,19 @@ def test_an_arm_is_not_given_what_it_cannot_carry_out(
     mapped = chain("sawyer", of, tmp_path / "chain")["mapped"]
     with pytest.raises(DataError, match=message):
         mapped.policy.load(on)
+
+
+@pytest.mark.parametrize(("of", "on"), [("ur5e", "panda"), ("panda", "ur5e"), ("panda", "sawyer")])
+def test_other_joints_carry_out_the_same_numbers(of: str, on: str, tmp_path: Path) -> None:
+    source, target = f"{of}-joint_position", f"{on}-joint_position"
+    trial = chain(source, target, tmp_path)["identity"]
+    assert isinstance(trial.policy, UntranslatedFiles)
+    files = SkillFiles(trial.policy.prior, trial.policy.decoder)
+    seen = np.linspace(-0.3, 0.3, len(LIFT))
+    own, carried = (one.load(robot).act(seen) for one, robot in
+                    ((files, source), (trial.policy, target)))  # fmt: skip
+    joints = [len(embodiment(robot).robot.joints) for robot in (source, target)]
+    both = min(joints)
+    np.testing.assert_array_equal(carried[:, :both], own[:, :both])
+    np.testing.assert_array_equal(carried[:, both:-1], np.zeros((4, joints[1] - both)))
+    np.testing.assert_array_equal(carried[:, -1], own[:, -1])

@@ -21,14 +21,12 @@ from lfr.mapping.mapping_training import (
     paired,
     train_mapping,
 )
-from lfr.mapping.saved_generators import MappingSeen, load_generator, save_generator
 from lfr.scenarios import Scenario, transfers_of
 from lfr.skills.library import transfer_models
 from lfr.skills.prior import SkillPrior
 from lfr.skills.symmetry import SymmetryParams
 from lfr.skills.vae import SkillVAE
 from lfr.tasks import task
-from studies.ablations.closed_form import constant, linear
 from studies.ablations.maps import MapJob, fitted, map_jobs, map_report, shuffled
 
 Z = 3
@@ -89,41 +87,6 @@ def whole(pairs: Pairs) -> Generator:
     return train_mapping(pairs, STILL, seed=0)[0]
 
 
-def test_linear_recovers_an_affine_map() -> None:
-    weight, bias = drawn(2 * Z, 2 * Z, seed=3), drawn(2 * Z, seed=4)
-    k_x = drawn(500, 2 * Z, seed=5)
-    g = linear(k_x, k_x @ weight.T + bias)
-    other = 3.0 * drawn(50, 2 * Z, seed=6) + 5.0  # far from where it was fitted
-    assert torch.allclose(g.translate(other), other @ weight.T + bias, atol=1e-3)
-
-
-def test_linear_errs_least_among_linear_maps() -> None:
-    k_x = drawn(400, 2 * Z, seed=3)
-    k_y = torch.tanh(k_x) + 0.1 * drawn(400, 2 * Z, seed=4)
-    g = linear(k_x, k_y)
-    error = (g.translate(k_x) - k_y).detach()
-    # The normal equations: what is left over is orthogonal to what it was told, and to 1.
-    assert torch.allclose(k_x.T @ error / 400, torch.zeros(2 * Z, 2 * Z), atol=1e-4)
-    assert torch.allclose(error.mean(0), torch.zeros(2 * Z), atol=1e-4)
-
-
-def test_constant_ignores_its_input() -> None:
-    k_x, k_y = drawn(400, 2 * Z, seed=3), drawn(400, 2 * Z, seed=4) + 2.0
-    g = constant(k_x, k_y)
-    answers = g.translate(100.0 * drawn(5, 2 * Z, seed=5))
-    assert torch.allclose(answers, k_y.mean(0).expand(5, -1), atol=1e-5)
-
-
-def test_a_closed_form_map_is_saved_as_a_generator(tmp_path: Path) -> None:
-    k_x = drawn(100, 2 * Z, seed=3)
-    g = linear(k_x, 2.0 * k_x)
-    save_generator(
-        tmp_path / "g", g, MappingSeen("t", "a", "b", ("a/lift", "b/lift"), ("lift",), {}, 0)
-    )
-    loaded = load_generator(tmp_path / "g")
-    assert torch.equal(loaded.translate(k_x), g.translate(k_x))
-
-
 def test_pairs_are_those_of_algorithm_1(
     tasks: list[CommonTask], vaes: tuple[SkillVAE, SkillVAE], windows: ActionWindows
 ) -> None:
@@ -159,7 +122,7 @@ def jobs(folder: Path) -> dict[str, MapJob]:
 def test_what_each_job_changes(tmp_path: Path) -> None:
     made = jobs(tmp_path)
     assert set(made) == {
-        "linear", "constant", "shuffled", "between_seeds", "untrained", "no_cycle",
+        "constant", "shuffled", "between_seeds", "untrained", "no_cycle",
         "only_pick_place", "only_nut_assembly",
     }  # fmt: skip
     assert all(job.mapping.folder == str(tmp_path / "variants" / n) for n, job in made.items())
