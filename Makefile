@@ -1,4 +1,5 @@
-# make repro: from demonstrations to results.  make test: the tests.  Each sets up what it needs:
+# make demo: one small transfer, in minutes.  make repro: from demonstrations to results.
+# make test: the tests.  Each sets up what it needs:
 # uv in .uv/ if the machine has none, Python 3.12 and the locked environment in .venv/.
 
 SHELL := /bin/bash -e
@@ -9,7 +10,10 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export UV_PYTHON_INSTALL_DIR := $(CURDIR)/.uv/python
 unexport VIRTUAL_ENV
 
-.PHONY: repro test test-slow check bench bench-stages setup lock
+.PHONY: demo repro test test-slow check bench bench-stages setup lock
+
+demo: setup
+	python -m pipeline._demo
 
 repro: setup
 	python -m pipeline._repro
