@@ -29,7 +29,8 @@ class Figure:
         name: what was compared, e.g. `stock/panda-lift`.
         unit: of the two medians.
         ratio: ours to theirs, or theirs to ours where less is better: more is better always.
-        goal: what the ratio is to reach; with `at_most`, what it must not exceed.
+        goal: what the ratio is to reach; with `at_most`, what it must not exceed; None for a figure
+            that is there to be compared with another machine's.
         spread: smallest and largest ratio of a single repeat.
         ours, theirs: medians over the repeats.
     """
@@ -37,14 +38,17 @@ class Figure:
     name: str
     unit: str
     ratio: float
-    goal: float
+    goal: float | None
     spread: tuple[float, float]
     ours: float
     theirs: float
     at_most: bool = False
 
     @property
-    def reached(self) -> bool:
+    def reached(self) -> bool | None:
+        """None without a goal."""
+        if self.goal is None:
+            return None
         return self.ratio <= self.goal if self.at_most else self.ratio >= self.goal
 
 
@@ -95,9 +99,10 @@ def within(name: str, unit: str, limit: float, amounts: Sequence[float]) -> Figu
 def show(figure: Figure) -> None:
     """One line on standard output."""
     word, sign = ("reached" if figure.reached else "MISSED"), ("<=" if figure.at_most else ">=")
+    goal = "" if figure.goal is None else f"goal {sign} {figure.goal:g} {word}"
     print(
         f"{figure.name:32s} {figure.ratio:8.2f} ({figure.spread[0]:.2f} to {figure.spread[1]:.2f})"
-        f"  goal {sign} {figure.goal:g} {word}  {figure.ours:.4g} against {figure.theirs:.4g} "
+        f"  {goal}  {figure.ours:.4g} against {figure.theirs:.4g} "
         f"{figure.unit}",
         flush=True,
     )

@@ -121,8 +121,7 @@ def figures_of(stage: str, runs: list[list[Cost]]) -> list[Figure]:
     name, unit = f"yardstick/{stage}", "yardsticks, and seconds of one"
     one = statistics.median(cost.seconds / cost.yardsticks for cost in now)
     middle, spread = statistics.median(units), (units[0], units[-1])
-    # No goal: it is there to be compared with other machines.
-    figures.append(Figure(name, unit, middle, 0.0, spread, middle, one))
+    figures.append(Figure(name, unit, middle, None, spread, middle, one))
     for figure in figures:
         show(figure)
     return figures
