@@ -42,8 +42,8 @@ class WrongTaskFiles:
         """Raises DataError where a folder holds no such model, a damaged one or other actions."""
         check_actions(Path(self.decoder), robot)
         prior = load_other_task(Path(self.other_task_prior))
-        translate = load_generator(Path(self.generator))
-        return SkillPolicy(prior, translate, load_vae(Path(self.decoder)))
+        g = load_generator(Path(self.generator))
+        return SkillPolicy(prior, g.at, load_vae(Path(self.decoder)))
 
 
 Files = SkillFiles | MappedFiles | WrongTaskFiles

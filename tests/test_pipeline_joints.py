@@ -12,7 +12,7 @@ from lfr.artifacts import read_json
 from lfr.evaluation.records import chain_records
 from lfr.params import read_yaml
 from lfr.program import run_stage
-from lfr.skills.saved_models import load_seen
+from lfr.skills.saved_models import load_prior, load_seen
 from pipeline import evaluate, mapping, skills, transfer
 from tests.tiny_project import ROOT
 
@@ -66,6 +66,9 @@ def test_a_transfer_runs_without_the_links_that_carry_the_sources_actions_over(
     seen = [load_seen(Path("models/skills") / robot / "lift+pick_place/vae")
             for robot in (source, target)]  # fmt: skip
     assert seen[0].actions != seen[1].actions
+    for robot in (source, target):
+        of = Path("models/skills") / robot / "lift+pick_place/prior-lift"
+        assert load_prior(of).turned == robot.endswith("-joint_position")
 
     capsys.readouterr()
     assert run_stage(transfer.main, [*learned[:3], "ap"]) == 2

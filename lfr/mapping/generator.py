@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 
 import torch
 from torch import Tensor, nn
 
+from lfr.skills.prior import Normalizer
 from lfr.skills.vae import LOG_SIGMA_RANGE
 
 
@@ -16,6 +18,12 @@ class Generator(nn.Module):
     Three fully connected layers (part V.A) over k = [mu, log sigma]. Inputs and outputs are
     standardised inside by the training distribution, which conditions the network only: the losses
     of Eq. 5 and 6 compare k itself, so a latent dimension that carries little weighs little.
+
+    Args:
+        state_names: what it sees of the state beside k, the first dimensions of an observation:
+            G(k, s). None of them is the paper's G(k). Where actions are motions of an arm's joints,
+            the same skill is another motion of the hand in another posture.
+        turned: whether it sees that in the frame of the hand's azimuth (`Normalizer`).
     """
 
     centre_in: Tensor
@@ -23,30 +31,61 @@ class Generator(nn.Module):
     centre_out: Tensor
     scale_out: Tensor
 
-    def __init__(self, latent_dim: int, hidden: int, layers: int) -> None:
+    def __init__(
+        self,
+        latent_dim: int,
+        hidden: int,
+        layers: int,
+        state_names: Sequence[str] = (),
+        turned: bool = False,
+    ) -> None:
         super().__init__()
         self.latent_dim, self.hidden, self.layers = latent_dim, hidden, layers
+        self.state_names, self.turned = tuple(state_names), turned
         size = 2 * latent_dim
         for name, value in (("centre", torch.zeros(size)), ("scale", torch.ones(size))):
             self.register_buffer(f"{name}_in", value.clone())
             self.register_buffer(f"{name}_out", value.clone())
-        widths = [size] + [hidden] * (layers - 1)
+        self.normalizer = Normalizer(state_names, turned=turned) if state_names else None
+        self.feature_size = self.normalizer.size if self.normalizer else 0
+        widths = [size + self.feature_size] + [hidden] * (layers - 1)
         blocks: list[nn.Module] = []
         for inputs, outputs in pairwise(widths):
             blocks += [nn.Linear(inputs, outputs), nn.LeakyReLU(0.2)]
         self.network = nn.Sequential(*blocks, nn.Linear(widths[-1], size))
 
-    def forward(self, mu: Tensor, log_sigma: Tensor) -> tuple[Tensor, Tensor]:
-        mu, log_sigma = self.translate(torch.cat([mu, log_sigma], dim=-1)).chunk(2, dim=-1)
+    def forward(
+        self, mu: Tensor, log_sigma: Tensor, features: Tensor | None = None
+    ) -> tuple[Tensor, Tensor]:
+        k = self.translate(torch.cat([mu, log_sigma], dim=-1), features)
+        mu, log_sigma = k.chunk(2, dim=-1)
         return mu, log_sigma.clamp(*LOG_SIGMA_RANGE)
 
-    def translate(self, k: Tensor) -> Tensor:
-        """k of the other space for k = [mu, log sigma] (B, 2Z) of this one."""
-        return self.network((k - self.centre_in) / self.scale_in) * self.scale_out + self.centre_out
+    def at(self, mu: Tensor, log_sigma: Tensor, observation: Tensor) -> tuple[Tensor, Tensor]:
+        """`forward` in the states of observations (B, D)."""
+        return self(mu, log_sigma, self.features(observation))
+
+    def features(self, observation: Tensor) -> Tensor:
+        """What G sees of observations (B, D): (B, F), F = 0 for G(k)."""
+        seen = observation[:, : len(self.state_names)]
+        return seen if self.normalizer is None else self.normalizer(seen)
+
+    def translate(self, k: Tensor, features: Tensor | None = None) -> Tensor:
+        """k of the other space for k = [mu, log sigma] (B, 2Z) of this one.
+
+        Args:
+            features: `features` of the observations; None for a G(k).
+        """
+        x = (k - self.centre_in) / self.scale_in
+        if features is not None:
+            x = torch.cat([x, features], dim=-1)
+        return self.network(x) * self.scale_out + self.centre_out
 
     @torch.no_grad()
-    def fit_scales(self, k_in: Tensor, k_out: Tensor) -> None:
-        """Take the standardisation from distributions (N, 2Z) of both spaces."""
+    def fit_scales(self, k_in: Tensor, k_out: Tensor, states: Tensor | None = None) -> None:
+        """Take the standardisation from distributions (N, 2Z) of both spaces, and states (N, S)."""
         for name, k in (("in", k_in), ("out", k_out)):
             getattr(self, f"centre_{name}").copy_(k.mean(0))
             getattr(self, f"scale_{name}").copy_(k.std(0).clamp_min(0.05))
+        if self.normalizer is not None and states is not None:
+            self.normalizer.fit(states, self.state_names)

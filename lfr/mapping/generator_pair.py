@@ -11,7 +11,7 @@ from lfr.networks.stacked import Stacked
 
 
 class GeneratorPair:
-    """G: X -> Y and F: Y -> X, side by side.
+    """G: X -> Y and F: Y -> X, side by side, in the same states where they see these.
 
         L_reg = ||k_x - F(k_y)||_1 + ||k_y - G(k_x)||_1                        (5)
         L_cyc = ||F(G(k_x)) - k_x||_1 + ||G(F(k_y)) - k_y||_1                  (6)
@@ -36,17 +36,27 @@ class GeneratorPair:
         return (pairs - self._centre) / self._scale
 
     @torch.no_grad()
-    def gradient(self, known: Tensor, weight: float) -> Tensor:
-        """Of Eq. 4 with lambda = ``weight`` by all parameters, (P,), at pairs (2, B, 2Z)."""
+    def gradient(self, known: Tensor, weight: float, features: Tensor | None = None) -> Tensor:
+        """Of Eq. 4 with lambda = ``weight`` by all parameters, (P,), at pairs (2, B, 2Z).
+
+        Args:
+            features: what both see of the states beside, (B, F).
+        """
         expected = known.flip(0)
         per_row = self._scale.flip(0) / known.shape[1]
-        there, traces = self.networks.evaluate(known)
+        there, traces = self.networks.evaluate(_beside(known, features))
         slope = torch.sign(there - expected) * per_row
         if not weight:
             return self.networks.by_parameters(traces, slope)
         # What G gave is F's input, and the other way round.
-        back, traces_back = self.networks.evaluate(there.flip(0))
+        back, traces_back = self.networks.evaluate(_beside(there.flip(0), features))
         slope_back = torch.sign(back - expected) * (weight * per_row)
         cycle, by_inputs = self.networks.by_parameters_and_inputs(traces_back, slope_back)
         cycle = cycle.clone()
-        return self.networks.by_parameters(traces, slope + by_inputs.flip(0)).add_(cycle)
+        by_there = by_inputs[..., : known.shape[2]].flip(0)
+        return self.networks.by_parameters(traces, slope + by_there).add_(cycle)
+
+
+def _beside(k: Tensor, features: Tensor | None) -> Tensor:
+    """The networks' inputs (2, B, 2Z + F)."""
+    return k if features is None else torch.cat([k, features.expand(2, -1, -1)], dim=-1)

@@ -22,13 +22,14 @@ from lfr.skills.vae import CHUNK, SkillVAE
 @torch.no_grad()
 def common_report(task: CommonTask, g: Generator, f: Generator) -> dict[str, float]:
     """Both terms of Eq. 5 and of Eq. 6 at a common task's states."""
-    k_x, k_y = paired(task, task.observations)
-    to_y, to_x = g.translate(k_x), f.translate(k_y)
+    k_x, k_y, _ = paired(task, task.observations)
+    seen = g.features(task.observations)  # F sees the same
+    to_y, to_x = g.translate(k_x, seen), f.translate(k_y, seen)
     return {
         "regression_g": l1(to_y, k_y),
         "regression_f": l1(to_x, k_x),
-        "cycle_x": l1(f.translate(to_y), k_x),
-        "cycle_y": l1(g.translate(to_x), k_y),
+        "cycle_x": l1(f.translate(to_y, seen), k_x),
+        "cycle_y": l1(g.translate(to_x, seen), k_y),
         # What a mapping that ignores its input would reach: the scale of the two above.
         "spread_x": l1(k_x.median(0).values.expand_as(k_x), k_x),
         "spread_y": l1(k_y.median(0).values.expand_as(k_y), k_y),
@@ -40,9 +41,9 @@ def new_task_report(
     prior_x: SkillPrior, observations: Tensor, g: Generator, f: Generator
 ) -> dict[str, float]:
     """The term of Eq. 6 that needs no prior of the target, at the new task's states (N, D)."""
-    k_x = torch.cat(prior_x(observations), dim=-1)
+    k_x, seen = torch.cat(prior_x(observations), dim=-1), g.features(observations)
     return {
-        "cycle_x": l1(f.translate(g.translate(k_x)), k_x),
+        "cycle_x": l1(f.translate(g.translate(k_x, seen), seen), k_x),
         "spread_x": l1(k_x.median(0).values.expand_as(k_x), k_x),
     }
 
@@ -59,7 +60,7 @@ def decoded_difference(
     squares = torch.zeros(source.action_dim, dtype=torch.float64)
     for some in observations.split(CHUNK):
         mu, log_sigma = prior_x(some)
-        apart = source.decode(mu) - target.decode(g(mu, log_sigma)[0])
+        apart = source.decode(mu) - target.decode(g.at(mu, log_sigma, some)[0])
         squares += apart.square().sum(dim=(0, 1), dtype=torch.float64)
     return (squares / (len(observations) * source.horizon)).sqrt().float()
 

@@ -21,5 +21,5 @@ class MappedFiles:
     def load(self, robot: str) -> SkillPolicy:
         """Raises DataError where a folder holds no such model, a damaged one or other actions."""
         check_actions(Path(self.decoder), robot)
-        translate = load_generator(Path(self.generator))
-        return SkillPolicy(load_prior(Path(self.prior)), translate, load_vae(Path(self.decoder)))
+        g, decoder = load_generator(Path(self.generator)), load_vae(Path(self.decoder))
+        return SkillPolicy(load_prior(Path(self.prior)), g.at, decoder)

@@ -20,6 +20,7 @@ from lfr.mapping.mapping_training import (
     ActionWindows,
     CommonTask,
     MappingParams,
+    condition_of,
     drawn_pairs,
     train_mapping,
 )
@@ -107,14 +108,15 @@ def fit_mapping(job: MappingJob) -> dict[str, Any]:
     known = read_material(job, seed)
     tasks = list(known.training.values())
     pairs = drawn_pairs(tasks, vaes, known.windows, job.params, seed)
-    g, f = train_mapping(pairs, job.params, seed)
+    condition = condition_of(tasks, job.params)
+    g, f = train_mapping(pairs, job.params, seed, condition)
     seen = MappingSeen(
         transfer.name, transfer.source, transfer.target, (arms[0].name, arms[1].name),
         transfer.common, known.datasets, seed,
     )  # fmt: skip
     save_generator(Path(job.folder) / "g", g, seen)
     save_generator(Path(job.folder) / "f", f, seen)
-    save_generator(Path(job.folder) / "linear", linear(*pairs), seen)
+    save_generator(Path(job.folder) / "linear", linear(pairs, condition), seen)
 
     def decoded(prior: SkillPrior, states: Tensor) -> dict[str, float]:
         if known.action_names is None:

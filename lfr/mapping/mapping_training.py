@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import torch
 from torch import Tensor
 
+from lfr.errors import ParameterError
 from lfr.mapping.generator import Generator
 from lfr.mapping.generator_pair import GeneratorPair
 from lfr.networks.device import DeviceName, device_named
@@ -17,6 +18,7 @@ from lfr.skills.augmentation import augment
 from lfr.skills.prior import SkillPrior
 from lfr.skills.symmetry import SymmetryParams, moved_states
 from lfr.skills.vae import CHUNK, SkillVAE
+from lfr.spaces import ROBOT_STATE
 
 MOST_NORM = 50.0  # of the gradient
 PAIRS = 2**17
@@ -36,6 +38,7 @@ class MappingParams:
     symmetry: SymmetryParams = field(default_factory=SymmetryParams)  # of the states compared
     state_noise: float = 0.1  # of an input's normalised unit: states between and beside the demos
     posterior_share: float = 0.5  # share of pairs that are both encoders' posteriors of one window
+    condition: Literal["none", "state"] = "none"  # what G and F see beside k: G(k), or G(k, s)
     device: DeviceName = "auto"
 
 
@@ -62,10 +65,46 @@ class ActionWindows(NamedTuple):
 
 
 class Pairs(NamedTuple):
-    """Skill distributions of the two arms for the same states or actions, (N, 2Z) each."""
+    """Skill distributions of the two arms for the same states or actions, (N, 2Z) each.
+
+    Attributes:
+        states: the robot's part of the states, (N, S); None where nobody asks for it.
+    """
 
     k_x: Tensor
     k_y: Tensor
+    states: Tensor | None = None
+
+
+class Condition(NamedTuple):
+    """What G and F see beside k: dimensions of the state, perhaps in the frame of the azimuth."""
+
+    state_names: tuple[str, ...] = ()
+    turned: bool = False
+
+
+GIVEN_NOTHING = Condition()
+
+
+def condition_of(tasks: Sequence[CommonTask], params: MappingParams) -> Condition:
+    """What G and F see of the states of these tasks.
+
+    In the frame of the hand's azimuth where neither arm's skills depend on it.
+
+    Raises:
+        ParameterError: the hand's state is to be seen, and a task's layout does not begin with it.
+    """
+    if params.condition == "none":
+        return Condition()
+    names = ROBOT_STATE.names
+    for task in tasks:
+        if task.prior_x.layout_names[: len(names)] != names:
+            raise ParameterError(
+                "mapping.condition: state: these observations do not begin with the hand's state; "
+                "choose none"
+            )
+    turned = all(task.prior_x.turned and task.prior_y.turned for task in tasks)
+    return Condition(names, turned)
 
 
 @torch.no_grad()
@@ -78,7 +117,9 @@ def paired(task: CommonTask, observations: Tensor) -> Pairs:
     return Pairs(k_x, k_y)
 
 
-def train_mapping(pairs: Pairs, params: MappingParams, seed: int) -> tuple[Generator, Generator]:
+def train_mapping(
+    pairs: Pairs, params: MappingParams, seed: int, condition: Condition = GIVEN_NOTHING
+) -> tuple[Generator, Generator]:
     """G: X -> Y and F: Y -> X, by Algorithm 1.
 
     Algorithm 1 draws a common task and a state in each iteration, predicts both arms'
@@ -88,15 +129,18 @@ def train_mapping(pairs: Pairs, params: MappingParams, seed: int) -> tuple[Gener
     torch.manual_seed(seed)
     generator = torch.Generator().manual_seed(seed)
     latent_dim = pairs.k_x.shape[1] // 2
-    g, f = (Generator(latent_dim, params.hidden, params.layers) for _ in range(2))
-    g.fit_scales(pairs.k_x, pairs.k_y)
-    f.fit_scales(pairs.k_y, pairs.k_x)
+    g, f = (Generator(latent_dim, params.hidden, params.layers, *condition) for _ in range(2))
+    g.fit_scales(pairs.k_x, pairs.k_y, pairs.states)
+    f.fit_scales(pairs.k_y, pairs.k_x, pairs.states)
     pair = GeneratorPair(g, f, device_named(params.device))
     known, networks = pair.standardised(pairs.k_x, pairs.k_y), pair.networks
+    seen = None if pairs.states is None else g.features(pairs.states).to(known.device)
     adam = FlatAdam(networks.vector, params.learning_rate)
     for step in range(params.steps):
         index = torch.randint(len(pairs.k_x), (params.batch,), generator=generator)
-        gradient = pair.gradient(known[:, index.to(known.device)], params.cycle_weight)
+        index = index.to(known.device)
+        features = None if seen is None else seen[index]
+        gradient = pair.gradient(known[:, index], params.cycle_weight, features)
         adam.lr = annealed(params.learning_rate, step, params.steps)
         adam.descend(clip_norm(gradient, MOST_NORM))
     networks.write_back()
@@ -128,7 +172,14 @@ def drawn_pairs(
     pairs = [_predictions(task, per_task, params, generator) for task in tasks]
     if windows is not None and posteriors:
         pairs.append(_posteriors(encoders, windows, posteriors, generator))
-    return Pairs(torch.cat([pair.k_x for pair in pairs]), torch.cat([pair.k_y for pair in pairs]))
+    k_x, k_y = torch.cat([pair.k_x for pair in pairs]), torch.cat([pair.k_y for pair in pairs])
+    if params.condition == "none":
+        return Pairs(k_x, k_y)
+    states = torch.cat([pair.states for pair in pairs if pair.states is not None])
+    if missing := len(k_x) - len(states):  # a window is the same in any state
+        drawn = torch.randint(len(states), (missing,), generator=generator)
+        states = torch.cat([states, states[drawn]])
+    return Pairs(k_x, k_y, states)
 
 
 def _predictions(
@@ -139,7 +190,8 @@ def _predictions(
     states = moved_states(task.observations, names, params.symmetry, generator)
     states = states[torch.randint(len(states), (count,), generator=generator)]
     blur = params.state_noise * task.prior_x.normalizer.noise_scale()
-    return paired(task, states + blur * torch.randn(states.shape, generator=generator))
+    states = states + blur * torch.randn(states.shape, generator=generator)
+    return paired(task, states)._replace(states=states[:, : ROBOT_STATE.size])
 
 
 @torch.no_grad()

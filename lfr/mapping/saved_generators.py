@@ -8,7 +8,9 @@ from pathlib import Path
 from lfr.mapping.generator import Generator
 from lfr.model_files import ModelKind, load_seen_as
 
-GENERATOR = ModelKind("generator", Generator, ("latent_dim", "hidden", "layers"))
+GENERATOR = ModelKind(
+    "generator", Generator, ("latent_dim", "hidden", "layers", "state_names", "turned")
+)
 
 
 @dataclass(frozen=True)

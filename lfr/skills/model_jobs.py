@@ -22,7 +22,7 @@ from lfr.skills.prior import SkillPrior
 from lfr.skills.saved_models import Seen, load_vae, save_prior, save_vae
 from lfr.skills.skill_params import SkillsParams
 from lfr.skills.skill_training import PriorMaterial, train_priors, train_vae
-from lfr.skills.symmetry import AS_RECORDED
+from lfr.skills.symmetry import AS_RECORDED, actions_turn_with_base
 from lfr.skills.vae import CHUNK, SkillVAE, reconstruction_rmse
 
 ModelJobs = Mapping[Job, Job]
@@ -137,8 +137,9 @@ def fit_priors(spec: PriorsTraining) -> dict[str, dict[str, Any]]:
 def _material(spec: VAETraining, task: str) -> PriorMaterial:
     known = _read(spec, (task,))[task]
     windows, names = known.training, known.actions.names
+    turned = spec.arm is None and actions_turn_with_base(names)
     return PriorMaterial(
-        windows.observations, windows.actions, known.names, names, model_seed(spec, task)
+        windows.observations, windows.actions, known.names, names, model_seed(spec, task), turned
     )
 
 

@@ -24,12 +24,13 @@ class SkillPolicy:
 
     Attributes:
         prior: observations (B, D) to a distribution in the source's latent space.
-        translate: that distribution in the latent space of ``decoder``: G, or nothing at all.
+        translate: that distribution, and the observation, to one in the latent space of
+            ``decoder``: G, or nothing at all.
         decoder: the skill VAE whose decoder turns z into actions.
     """
 
     prior: Callable[[Tensor], Distribution]
-    translate: Callable[[Tensor, Tensor], Distribution]
+    translate: Callable[[Tensor, Tensor, Tensor], Distribution]
     decoder: SkillVAE
 
     def reset(self, seed: int) -> None:
@@ -39,22 +40,22 @@ class SkillPolicy:
     def act(self, observation: np.ndarray) -> np.ndarray:
         """The next skill's actions, as many as are carried out, (n, A), for an observation (D,)."""
         seen = torch.as_tensor(observation, dtype=torch.float32)[None]
-        mu, _ = self.translate(*self.prior(seen))
+        mu, _ = self.translate(*self.prior(seen), seen)
         return self.decoder.carry_out(mu)[0].double().numpy()
 
 
-def untranslated(mu: Tensor, log_sigma: Tensor) -> Distribution:
+def untranslated(mu: Tensor, log_sigma: Tensor, observation: Tensor) -> Distribution:
     """The identity: for an arm's own prior and decoder."""
     return mu, log_sigma
 
 
-def recoded(source: SkillVAE, target: SkillVAE) -> Callable[[Tensor, Tensor], Distribution]:
+def recoded(source: SkillVAE, target: SkillVAE) -> Callable[[Tensor, Tensor, Tensor], Distribution]:
     """Translate by the actions themselves: decode with the source's VAE, encode with the target's.
 
     It needs a shared action space, and says how much of the new task the target's VAE can express.
     """
 
-    def translate(mu: Tensor, log_sigma: Tensor) -> Distribution:
+    def translate(mu: Tensor, log_sigma: Tensor, observation: Tensor) -> Distribution:
         return target.encode(source.decode(mu))
 
     return translate

@@ -20,7 +20,7 @@ from lfr.skills.augmentation import augment
 from lfr.skills.prior import SkillPrior
 from lfr.skills.prior_ensemble import PriorEnsemble
 from lfr.skills.skill_params import PriorParams, VAEParams
-from lfr.skills.symmetry import actions_turn_with_base, moved_copies
+from lfr.skills.symmetry import moved_copies
 from lfr.skills.vae import SkillVAE, vae_loss
 
 MOST_NORM = 10.0  # of a model's gradient
@@ -74,6 +74,7 @@ class PriorMaterial:
         observations: (N, D), where the windows start, in the units of the layout ``names``.
         actions: (N, H, A), the windows, whose dimensions are called ``action_names``.
         seed: of this prior's training.
+        turned: whether the prior sees the scene in the frame of the hand's azimuth.
     """
 
     observations: Tensor
@@ -81,6 +82,7 @@ class PriorMaterial:
     names: Sequence[str]
     action_names: Sequence[str]
     seed: int
+    turned: bool = False
 
 
 def train_priors(
@@ -129,8 +131,9 @@ class _PriorLearner:
     def start(cls, vae: SkillVAE, material: PriorMaterial, params: PriorParams) -> _PriorLearner:
         torch.manual_seed(material.seed)
         generator = torch.Generator().manual_seed(material.seed)
-        turned = actions_turn_with_base(material.action_names)
-        prior = SkillPrior(material.names, vae.latent_dim, params.hidden, params.layers, turned)
+        prior = SkillPrior(
+            material.names, vae.latent_dim, params.hidden, params.layers, material.turned
+        )
         observations, actions = moved_copies(
             material.observations, material.actions, material.names, material.action_names,
             params.symmetry, generator,

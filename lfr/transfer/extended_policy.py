@@ -8,6 +8,7 @@ import math
 import torch
 from torch import Tensor, nn
 
+from lfr.mapping.generator import Generator
 from lfr.skills.prior import SkillPrior
 
 
@@ -26,8 +27,19 @@ class StandardNormal(nn.Module):
 class IdentityMap(nn.Module):
     """phi of a method without a generator: (mu, log_sigma) unchanged, (B, Z) each."""
 
-    def forward(self, mu: Tensor, log_sigma: Tensor) -> tuple[Tensor, Tensor]:
+    feature_size = 0
+
+    def features(self, observation: Tensor) -> Tensor:
+        """It sees nothing of observations (B, D): (B, 0)."""
+        return observation[:, :0]
+
+    def forward(
+        self, mu: Tensor, log_sigma: Tensor, features: Tensor | None = None
+    ) -> tuple[Tensor, Tensor]:
         return mu, log_sigma
+
+
+Phi = Generator | IdentityMap
 
 
 class MappedPolicy(nn.Module):
@@ -42,7 +54,7 @@ class MappedPolicy(nn.Module):
             Adam resolve: then the policy can neither come back to it nor explore around it.
     """
 
-    def __init__(self, pi: nn.Module, phi: nn.Module, min_sigma: float = 0.0) -> None:
+    def __init__(self, pi: nn.Module, phi: Phi, min_sigma: float = 0.0) -> None:
         super().__init__()
         self.pi, self.phi, self.min_sigma = pi, phi, min_sigma
 
@@ -50,13 +62,18 @@ class MappedPolicy(nn.Module):
         return self.of_features(self.features(observation))
 
     def features(self, observation: Tensor) -> Tensor:
-        """What pi makes of observations (B, D) before its first parameters; itself, if nothing."""
-        return self.pi.features(observation) if isinstance(self.pi, SkillPrior) else observation
+        """What pi makes of observations (B, D) before its first parameters, itself if nothing, and
+        after it what phi sees of them.
+        """
+        seen = self.pi.features(observation) if isinstance(self.pi, SkillPrior) else observation
+        return torch.cat([seen, self.phi.features(observation)], dim=-1)
 
     def of_features(self, features: Tensor) -> tuple[Tensor, Tensor]:
         """(mu, log_sigma), (B, Z) each, for the `features` of observations."""
         pi = self.pi.of_features if isinstance(self.pi, SkillPrior) else self.pi
-        mu, log_sigma = self.phi(*pi(features))  # Eq. 7
+        beside = self.phi.feature_size
+        seen, of_phi = features.split([features.shape[-1] - beside, beside], dim=-1)
+        mu, log_sigma = self.phi(*pi(seen), of_phi)  # Eq. 7
         if self.min_sigma > 0.0:
             bound = torch.full_like(log_sigma, 2.0 * math.log(self.min_sigma))
             log_sigma = 0.5 * torch.logaddexp(2.0 * log_sigma, bound)
@@ -64,7 +81,7 @@ class MappedPolicy(nn.Module):
 
 
 def initial_policy(
-    prior: nn.Module, phi: nn.Module, *, train_phi: bool, min_sigma: float = 0.0
+    prior: nn.Module, phi: Phi, *, train_phi: bool, min_sigma: float = 0.0
 ) -> MappedPolicy:
     """phi o pi with pi = p_a to begin with: a trainable copy, phi trainable if ``train_phi``."""
     policy = copy.deepcopy(MappedPolicy(prior, phi, min_sigma)).requires_grad_(True)
@@ -72,7 +89,7 @@ def initial_policy(
     return policy
 
 
-def frozen_prior(prior: nn.Module, phi: nn.Module, min_sigma: float = 0.0) -> MappedPolicy:
+def frozen_prior(prior: nn.Module, phi: Phi, min_sigma: float = 0.0) -> MappedPolicy:
     """phi(p_a) of Eq. 9: a copy of its own that never learns.
 
     Sharing phi with the policy would let it lower the divergence by moving the prior instead.

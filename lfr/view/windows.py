@@ -167,8 +167,10 @@ def trace_windows(models: SkillModels, episode: Episode) -> WindowTrace:
     observations, actions = _windows(episode, vae.horizon, models.source_prior.layout_names)
     with torch.no_grad():
         window, prior = vae.encode(actions), models.source_prior(observations)
-        mapped = models.generator(*prior)
-        mapped_window = models.generator(*window) if arm == "source" else None
+        mapped = models.generator.at(prior[0], prior[1], observations)
+        mapped_window = (
+            models.generator.at(window[0], window[1], observations) if arm == "source" else None
+        )
         own = None if models.target_prior is None else models.target_prior(observations)
         decoded = {"window": vae.decode(window[0])}
         if models.actions["source"] == models.actions[arm]:

@@ -13,7 +13,14 @@ from lfr.mapping.closed_form import constant
 from lfr.mapping.generator import Generator
 from lfr.mapping.map_quality import decoded_difference, l1
 from lfr.mapping.mapping_jobs import MappingJob, Material, read_material
-from lfr.mapping.mapping_training import CommonTask, Pairs, drawn_pairs, paired, train_mapping
+from lfr.mapping.mapping_training import (
+    CommonTask,
+    Pairs,
+    condition_of,
+    drawn_pairs,
+    paired,
+    train_mapping,
+)
 from lfr.mapping.saved_generators import MappingSeen, save_generator
 from lfr.skills.library import RoleModels
 from lfr.skills.saved_models import load_vae
@@ -103,22 +110,22 @@ def fitted(job: MapJob, known: Material, vaes: tuple[SkillVAE, SkillVAE], seed: 
     if job.kind == "shuffled":
         pairs = shuffled(pairs, seed)
     if job.kind in ("trained", "shuffled"):
-        return train_mapping(pairs, params, seed)[0]
-    return constant(*pairs)
+        return train_mapping(pairs, params, seed, condition_of(tasks, params))[0]
+    return constant(pairs)
 
 
 def shuffled(pairs: Pairs, seed: int) -> Pairs:
     """Pairs that carry no information: which k_y belongs to which k_x is lost, its task too."""
     order = torch.randperm(len(pairs.k_y), generator=torch.Generator().manual_seed(seed))
-    return Pairs(pairs.k_x, pairs.k_y[order])
+    return pairs._replace(k_y=pairs.k_y[order])
 
 
 @torch.no_grad()
 def map_report(task: CommonTask, g: Generator) -> dict[str, float]:
     """G's term of Eq. 5 at a common task's states, and what ignoring its input would reach."""
-    k_x, k_y = paired(task, task.observations)
+    k_x, k_y, _ = paired(task, task.observations)
     return {
-        "regression_g": l1(g.translate(k_x), k_y),
+        "regression_g": l1(g.translate(k_x, g.features(task.observations)), k_y),
         "spread_y": l1(k_y.median(0).values.expand_as(k_y), k_y),
     }
 

@@ -105,7 +105,7 @@ def test_a_mapped_skill_does_on_the_target_what_the_source_would_do(project: Pat
     g, vae = load_generator(mapping / "g"), load_vae(skills / TARGET / "vae")
     for task in ("push", "pull"):
         prior = load_prior(skills / SOURCE / f"prior-{task}")
-        policy = SkillPolicy(prior, g, vae)
+        policy = SkillPolicy(prior, g.at, vae)
         cosines = []
         for seed in range(100, 120):
             hand, goal, velocity = next(made_up.way(f"{task} it", seed))

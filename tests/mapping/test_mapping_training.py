@@ -3,18 +3,25 @@
 from __future__ import annotations
 
 import copy
+from dataclasses import replace
 
 import pytest
 import torch
 from torch import nn
 
 from lfr.embodiments import embodiment
+from lfr.errors import ParameterError
+from lfr.mapping.closed_form import linear
 from lfr.mapping.generator import Generator
 from lfr.mapping.map_quality import common_report, decoded_difference, new_task_report
 from lfr.mapping.mapping_training import (
+    GIVEN_NOTHING,
     ActionWindows,
     CommonTask,
+    Condition,
     MappingParams,
+    Pairs,
+    condition_of,
     drawn_pairs,
     paired,
     train_mapping,
@@ -22,6 +29,7 @@ from lfr.mapping.mapping_training import (
 from lfr.skills.prior import SkillPrior
 from lfr.skills.symmetry import SymmetryParams
 from lfr.skills.vae import SkillVAE
+from lfr.spaces import ROBOT_STATE
 from lfr.tasks import task
 
 Z = 3
@@ -76,7 +84,7 @@ def learned() -> tuple[list[CommonTask], Generator, Generator]:
 def test_the_rotation_is_found(learned: tuple[list[CommonTask], Generator, Generator]) -> None:
     tasks, g, f = learned
     for one in tasks:
-        k_x, _ = paired(one, states(200, 9))  # states that nothing was trained on
+        k_x, _, _ = paired(one, states(200, 9))  # states that nothing was trained on
         mu, log_sigma = k_x.chunk(2, dim=-1)
         there, _ = g(mu, log_sigma)
         expected = mu @ ROTATION.T
@@ -94,7 +102,7 @@ def test_the_report_tells_a_found_mapping_from_none(
     assert found["regression_g"] < 0.3 * found["spread_y"]
     assert found["regression_f"] < 0.3 * found["spread_x"]
     assert found["cycle_x"] < 0.3 * found["spread_x"]
-    k_x, k_y = paired(held_out, held_out.observations)
+    k_x, k_y, _ = paired(held_out, held_out.observations)
     expected = (g.translate(k_x) - k_y).abs().sum(-1).mean()
     assert found["regression_g"] == pytest.approx(expected.item(), rel=1e-5)
     new = new_task_report(tasks[0].prior_x, states(100, 8), g, f)
@@ -133,3 +141,51 @@ def test_the_same_seed_gives_the_same_tensors(posterior_share: float) -> None:
 
     assert torch.equal(trained(1), trained(1))
     assert not torch.equal(trained(1), trained(2))
+
+
+def test_g_that_sees_the_state_finds_what_g_of_k_alone_cannot() -> None:
+    """A target whose skills are the source's, and beside them where the hand is."""
+    layout = task("lift").observation.names
+    generator = torch.Generator().manual_seed(2)
+    drawn = 0.3 * torch.randn(600, len(layout), generator=generator)
+    k_x = torch.randn(600, 2 * Z, generator=generator)
+    k_y = torch.cat([k_x[:, :Z] + 5.0 * drawn[:, :1], k_x[:, Z:]], dim=-1)
+    errors: dict[Condition, list[float]] = {}
+    for condition in (GIVEN_NOTHING, Condition(ROBOT_STATE.names)):
+        states = drawn[:, : ROBOT_STATE.size] if condition.state_names else None
+        pairs = Pairs(k_x, k_y, states)
+        for made in (train_mapping(pairs, PARAMS, 0, condition)[0], linear(pairs, condition)):
+            seen = None if states is None else made.features(states)
+            error = float((made.translate(k_x, seen) - k_y).detach().abs().mean())
+            errors.setdefault(condition, []).append(error)
+    blind, seeing = errors.values()
+    assert seeing[0] < 0.5 * blind[0]
+    assert seeing[1] < 1e-4 < blind[1]
+
+
+def test_the_state_is_that_of_the_pair_and_windows_have_any() -> None:
+    layout = task("lift").observation.names
+    generator = torch.Generator().manual_seed(2)
+    seen = 0.3 * torch.randn(50, len(layout), generator=generator)
+    made = []
+    for seed in (1, 2):
+        torch.manual_seed(seed)
+        made.append(SkillPrior(layout, Z, 16, 2, turned=True))
+    common = CommonTask(made[0].eval(), made[1].eval(), seen)
+    params = replace(PARAMS, condition="state", posterior_share=0.5, state_noise=0.0)
+    windows = ActionWindows(torch.rand(5, 4, 7) - 0.5, embodiment("panda").action.names)
+    vaes = SkillVAE(4, 7, Z, 8), SkillVAE(4, 7, Z, 8)
+    pairs = drawn_pairs([common], vaes, windows, params, seed=0, count=64)
+    assert pairs.states is not None
+    assert pairs.states.shape == (64, ROBOT_STATE.size)
+    rows = {tuple(row) for row in seen[:, : ROBOT_STATE.size].tolist()}
+    assert {tuple(row) for row in pairs.states.tolist()} <= rows
+    for state, k_x in zip(pairs.states[:32], pairs.k_x[:32], strict=True):  # the priors' own
+        at = int((seen[:, : ROBOT_STATE.size] == state).all(1).nonzero()[0])
+        torch.testing.assert_close(k_x, torch.cat(made[0](seen[at : at + 1]), -1)[0])
+    assert condition_of([common], params) == Condition(ROBOT_STATE.names, turned=True)
+    assert condition_of([common], PARAMS) == GIVEN_NOTHING
+    made = [SkillPrior(layout[1:], Z, 8, 1) for _ in range(2)]
+    blind = CommonTask(made[0], made[1], seen[:, 1:])
+    with pytest.raises(ParameterError, match="do not begin with the hand's state"):
+        condition_of([blind], params)

@@ -4,11 +4,12 @@ import dataclasses
 
 import torch
 
+from lfr.mapping.generator import Generator
 from lfr.transfer.extended_policy import IdentityMap, frozen_prior, initial_policy
 from lfr.transfer.learner import Learner
 from lfr.transfer.replay import Batch
 
-from .point import lfr_initialization
+from .point import NAMES, lfr_initialization
 
 
 def _batch(size=16):
@@ -28,6 +29,20 @@ def test_policy_is_phi_after_pi(artifacts):
     policy = initial_policy(artifacts.source_prior, artifacts.generator, train_phi=True)
     expected = artifacts.generator(*artifacts.source_prior(observation))
     torch.testing.assert_close(policy(observation), expected)
+
+
+def test_phi_that_sees_the_state_is_given_it(artifacts):
+    """G(k, s): through its features, as the learner keeps them, and at once."""
+    torch.manual_seed(1)
+    g = Generator(2, 8, 3, state_names=NAMES[:2])
+    g.fit_scales(torch.randn(9, 4), torch.randn(9, 4), torch.randn(9, 2))
+    policy = initial_policy(artifacts.source_prior, g, train_phi=True)
+    observation = torch.randn(5, 3)
+    expected = g.at(*artifacts.source_prior(observation), observation)
+    torch.testing.assert_close(policy(observation), expected)
+    torch.testing.assert_close(policy.of_features(policy.features(observation)), expected)
+    moved = observation + torch.tensor([0.0, 0.5, 0.0])
+    assert not torch.allclose(g.features(moved), g.features(observation))
 
 
 def test_identity_map_leaves_the_prior(artifacts):

@@ -17,7 +17,7 @@ from lfr.skills.prior import SkillPrior
 from lfr.skills.saved_models import load_prior, load_vae
 from lfr.skills.vae import SkillVAE
 from lfr.transfer.actor import SkillActor
-from lfr.transfer.extended_policy import frozen_prior, initial_policy
+from lfr.transfer.extended_policy import Phi, frozen_prior, initial_policy
 from lfr.transfer.transfer_params import TransferParams
 
 
@@ -71,7 +71,7 @@ class TrainedModels:
 
 def initialize_from(
     prior: nn.Module,
-    phi: nn.Module,
+    phi: Phi,
     decoder: SkillVAE,
     params: TransferParams,
     reference: SkillPrior,

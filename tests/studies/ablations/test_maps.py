@@ -91,11 +91,12 @@ def test_pairs_are_those_of_algorithm_1(
     tasks: list[CommonTask], vaes: tuple[SkillVAE, SkillVAE], windows: ActionWindows
 ) -> None:
     """Equal priors and encoders on both sides: a pair is one only if both saw the same row."""
-    k_x, k_y = drawn_pairs(tasks, vaes, windows, STILL, seed=0, count=2**13)
+    k_x, k_y, _ = drawn_pairs(tasks, vaes, windows, STILL, seed=0, count=2**13)
     assert k_x.shape == (2**13, 2 * Z)
     assert torch.equal(k_x, k_y)
-    unencoded, _ = drawn_pairs(tasks, vaes, None, STILL, seed=0, count=2**13)
+    unencoded, _, nothing = drawn_pairs(tasks, vaes, None, STILL, seed=0, count=2**13)
     assert len(unencoded) == 2**13
+    assert nothing is None
 
 
 def test_shuffled_pairs_teach_nothing_and_whole_ones_do(
@@ -156,5 +157,5 @@ def test_untrained_keeps_the_scales_and_no_cycle_the_pairs(
 
 
 def spread(one: CommonTask) -> float:
-    _, k_y = paired(one, one.observations)
+    _, k_y, _ = paired(one, one.observations)
     return float((k_y - k_y.median(0).values).abs().sum(-1).mean())
