@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +36,18 @@ class Policy(Protocol):
 
     def act(self, observation: Array, /) -> Array:
         """The next actions (n, A) in [-1, 1] for an observation (D,)."""
+        ...
+
+
+@runtime_checkable
+class Attached(Protocol):
+    """A policy that acts by more than what is observed: it is shown the simulation that it acts in.
+
+    So is retargeting, which must know the arm's joints.
+    """
+
+    def attach(self, simulation: Any, /) -> None:
+        """Before each episode, and before `Policy.reset`."""
         ...
 
 
@@ -101,6 +113,8 @@ def run_episode(policy: Policy, simulation: Simulated, seed: int, linger: int = 
     Args:
         linger: control steps that it goes on after success.
     """
+    if isinstance(policy, Attached):
+        policy.attach(simulation)
     policy.reset(seed)
     observation, done, end = simulation.reset(seed), 0, simulation.horizon
     reached: int | None = None

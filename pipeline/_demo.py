@@ -35,6 +35,7 @@ WORDS = {
     "no_generator": "the source's prior, the target's decoder",
     "linear": "the same, a linear map between them",
     "mapped": "the same, G between them: where Learn from Robot begins",
+    "retarget": "the source's motions of the hand, by both arms' kinematic models",
     "oracle": "the target's own prior, had it been shown the task",
 }
 

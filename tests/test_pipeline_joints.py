@@ -59,7 +59,7 @@ def test_a_transfer_runs_without_the_links_that_carry_the_sources_actions_over(
 
     chain = chain_records([name])[name]
     assert (chain["source"], chain["target"]) == (source, target)
-    links = ("own_arm", "identity", "no_generator", "linear", "mapped", "oracle")
+    links = ("own_arm", "identity", "no_generator", "linear", "mapped", "retarget", "oracle")
     assert tuple(chain["zero_shot"]) == links
     found = read_json(Path("results/mapping") / f"{name}.json")
     assert all(not one["decoded_difference"] for one in found["common"].values())

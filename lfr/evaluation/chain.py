@@ -8,10 +8,12 @@ Every link is zero-shot success on the transfer's new task, over the same held-o
     recoded       source prior, its decoded actions through the target's VAE: what that VAE can say
     linear        source prior, the best linear map of G's own pairs, target decoder
     mapped        source prior, G, target decoder: what transfer learning starts from
+    retarget      source prior, source decoder, both arms' kinematic models (`lfr.mapping.retarget`)
     oracle        the target's own prior of the new task, with the decoder of all its tasks
 
 Where the two arms' actions are different things, such as motions of their joints, identity has the
-target carry them out all the same, joint by joint, and there is no recoded. The first and the last
+target carry them out all the same, joint by joint, and there is no recoded; elsewhere retargeting
+would be the identity. The first and the last
 are what a prior does on its own arm (`lfr.evaluation.own_arm`), which the skills stage measures;
 `lfr.evaluation.records.chain_records` puts the chain together.
 """
@@ -27,6 +29,7 @@ from lfr.evaluation.trials import Trial, success_rate, trial_jobs
 from lfr.jobs import Job, run_jobs
 from lfr.mapping.mapped_policy import MappedFiles
 from lfr.mapping.mapping_jobs import MappingJob, fit_mapping
+from lfr.mapping.retarget import RetargetFiles
 from lfr.policies import PolicySource
 from lfr.scenarios import Role, Transfer
 from lfr.skills.library import RoleModels, same_actions
@@ -57,6 +60,8 @@ def chain_trials(
         policies["recoded"] = SkillFiles(prior, target_vae, encoder=vae)
     policies["linear"] = MappedFiles(prior, str(mapping / "linear"), target_vae)
     policies["mapped"] = MappedFiles(prior, str(mapping / "g"), target_vae)
+    if not alike:
+        policies["retarget"] = RetargetFiles(prior, vae)
     return {name: Trial(files, transfer.target, task, episodes) for name, files in policies.items()}
 
 

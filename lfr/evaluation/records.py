@@ -11,7 +11,9 @@ from lfr.artifacts import read_json
 from lfr.errors import DataError
 
 RESULTS = Path("results")
-CHAIN = ("own_arm", "identity", "no_generator", "recoded", "linear", "mapped", "oracle")
+CHAIN = (
+    "own_arm", "identity", "no_generator", "recoded", "linear", "mapped", "retarget", "oracle",
+)  # fmt: skip
 """The links, as `lfr.evaluation.chain` describes them."""
 
 STAGES = ("record", "pack", "skills", "mapping", "transfer", "evaluate")
