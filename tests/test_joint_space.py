@@ -66,3 +66,25 @@ def test_the_mapping(line: Row) -> None:
     for name, (kind, sees) in maps.items():
         found = [row for row in known if (row["map"], row["sees"]) == (kind, sees)]
         assert line[name] == percent(found), name
+
+
+@pytest.mark.parametrize("line", table("chain"), ids=lambda line: " ".join(line.values()))
+def test_the_chain_from_fifty_demonstrations(line: Row) -> None:
+    ends = {key: line[key] for key in ("source", "target", "task")} | {"demonstrations": "50"}
+    for link in ("identity", "no_generator", "linear", "mapped", "retarget"):
+        found = [
+            row for row in rows("chain") if (ends | {"link": link}).items() <= row.items()
+        ]  # fmt: skip
+        assert found, link
+        assert line[link.replace("_", " ")] == percent(found), link
+
+
+@pytest.mark.parametrize("line", table("starts"), ids=lambda line: line["drift"])
+def test_where_the_can_is_lost(line: Row) -> None:
+    for link in ("own_arm", "retarget", "mapped"):
+        found = [
+            row for row in rows("starts")
+            if line["drift"] == f"{row['drift_steps']} steps at {row['drift_speed']}"
+            and row["link"] == link
+        ]  # fmt: skip
+        assert line[link.replace("_", " ")] == percent(found)
