@@ -45,8 +45,10 @@ interval of 95 %. Judge: {", ".join(judges)}. Zero-shot is before any learning o
 ## The chain
 
 Zero-shot success on the new task, link by link: the source's prior on its own arm; its actions as
-they are on the target; these through the target's skill VAE; the mapped prior with the target's
-decoder; and the target's own prior, had it been shown the task.
+they are on the target; its skills with the target's decoder, nothing between; its actions through
+the target's skill VAE; its skills through the best linear map; through G; its motions of the hand,
+where both arms' kinematic models are needed to say them; and the target's own prior, had it been
+shown the task.
 
 {tables.chain_table(chains)}
 ## Skill priors on their own arm
