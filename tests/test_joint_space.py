@@ -71,7 +71,7 @@ def test_the_mapping(line: Row) -> None:
 @pytest.mark.parametrize("line", table("chain"), ids=lambda line: " ".join(line.values()))
 def test_the_chain_from_fifty_demonstrations(line: Row) -> None:
     ends = {key: line[key] for key in ("source", "target", "task")} | {"demonstrations": "50"}
-    for link in ("identity", "no_generator", "linear", "mapped", "retarget"):
+    for link in ("identity", "no_generator", "linear", "mapped", "retarget", "after_learning"):
         found = [
             row for row in rows("chain") if (ends | {"link": link}).items() <= row.items()
         ]  # fmt: skip
