@@ -4,7 +4,7 @@
 
 A policy by skills answers with the n control steps of its next skill, any other with one. Each room
 that can load one has its `PolicySource`: `lfr.skills.skill_policy`, `lfr.mapping.mapped_policy`,
-`lfr.transfer.model`.
+`lfr.mapping.retarget`, `lfr.transfer.model`.
 """
 
 from __future__ import annotations

@@ -105,7 +105,7 @@ def _told(transfer: Transfer, seconds: float) -> str:
         f"{seconds:.0f} s. The picture: {FOLDER / PICTURE}",
         "Look at a demonstration:  lfr view work/demo/data/lerobot/"
         f"{transfer.source}-{transfer.task} --episode 0",
-        "Learn on from here by reinforcement, four transfers and more:  make repro",
+        "With learning on the target after it, and four transfers of two arms:  make repro",
     ])  # fmt: skip
 
 

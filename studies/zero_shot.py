@@ -19,6 +19,7 @@ from pathlib import Path
 from lfr.evaluation.chain import chain_trials
 from lfr.evaluation.trials import Trial
 from lfr.mapping.mapped_policy import MappedFiles
+from lfr.mapping.retarget import RetargetFiles
 from lfr.mapping.saved_generators import load_generator
 from lfr.policies import Pinned
 from lfr.scenarios import Role, Transfer
@@ -110,5 +111,5 @@ def _on_target(transfer: Transfer, policies: dict[str, Files], episodes: int) ->
 
 
 def _known(trial: Trial) -> Trial:
-    assert isinstance(trial.policy, SkillFiles | MappedFiles | UntranslatedFiles)
+    assert isinstance(trial.policy, SkillFiles | MappedFiles | UntranslatedFiles | RetargetFiles)
     return replace(trial, policy=Pinned.of(trial.policy))

@@ -54,7 +54,7 @@ def test_the_record_of_the_run(project: Path) -> None:
     assert list(record["other_judges"]) == ["robosuite"]
     assert record["reward"] == "sparse"
     chain = read_json(project / "results/chain.json")[TRANSFER]
-    assert tuple(chain["zero_shot"]) == CHAIN
+    assert tuple(chain["zero_shot"]) == tuple(link for link in CHAIN if link != "retarget")
     assert all(link["episodes"] == 4 for link in chain["zero_shot"].values())
 
 

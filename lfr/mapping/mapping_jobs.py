@@ -31,7 +31,7 @@ from lfr.skills.library import RoleModels
 from lfr.skills.prior import SkillPrior
 from lfr.skills.rows import thinned
 from lfr.skills.saved_models import load_prior, load_vae
-from lfr.skills.symmetry import AS_RECORDED, suited
+from lfr.skills.symmetry import AS_RECORDED, actions_turn_with_base, suited
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ def mapping_job(
     datasets: Path = DATASETS,
     arms: Mapping[str, ExternalArm] = MappingProxyType({}),
 ) -> MappingJob:
-    """The job that trains ``folder/{g,f}`` on these arms' demonstrations."""
+    """The job that trains ``folder/{g,f,linear}`` on these arms' demonstrations."""
     return MappingJob(
         scenario, transfer, _suited(params, transfer, arms), held_out, seed, dict(skills),
         str(folder), str(datasets), dict(arms),
@@ -210,7 +210,11 @@ def _suited(
     if not all(arm.cartesian for arm in arms.values()):
         return replace(params, symmetry=AS_RECORDED, posterior_share=0.0)
     symmetry = params.symmetry
-    for robot in (transfer.source, transfer.target):
-        if robot not in arms:
-            symmetry = suited(symmetry, embodiment(robot).action.names)
+    actions = [embodiment(robot).action.names for robot in (transfer.source, transfer.target)
+               if robot not in arms]  # fmt: skip
+    joints = [actions_turn_with_base(names) for names in actions]
+    if any(joints) and not all(joints):  # one arm's skills turn with the scene, the other's do not
+        return replace(params, symmetry=replace(symmetry, shift=0.0, mirror=False))
+    for names in actions:
+        symmetry = suited(symmetry, names)
     return replace(params, symmetry=symmetry)

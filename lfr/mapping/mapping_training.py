@@ -39,7 +39,7 @@ class MappingParams:
     state_noise: float = 0.1  # of an input's normalised unit: states between and beside the demos
     posterior_share: float = 0.5  # share of pairs that are both encoders' posteriors of one window
     condition: Literal["none", "state"] = "none"  # what G and F see beside k: G(k), or G(k, s)
-    device: DeviceName = "auto"
+    device: DeviceName = "cpu"
 
 
 @dataclass(frozen=True)

@@ -51,4 +51,4 @@ class SkillsParams:
     vae: VAEParams = field(default_factory=VAEParams)
     prior: PriorParams = field(default_factory=PriorParams)
     held_out: float = 0.1  # share of each dataset's episodes kept for the report
-    device: DeviceName = "auto"
+    device: DeviceName = "cpu"

@@ -48,7 +48,7 @@ class TransferParams:
     evaluate_every: int = 5_000  # environment steps
     evaluation_episodes: int = 20  # on learning seeds, never on held-out ones
     checkpoint_every: int = 10_000  # environment steps
-    device: DeviceName = "auto"
+    device: DeviceName = "cpu"
 
     def __post_init__(self) -> None:
         positive = (

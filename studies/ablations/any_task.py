@@ -20,6 +20,7 @@ from lfr.skills.library import RoleModels
 from lfr.skills.saved_models import Seen, load_vae
 from lfr.skills.skill_params import PriorParams
 from lfr.skills.skill_training import PriorMaterial, train_priors
+from lfr.skills.symmetry import actions_turn_with_base
 from lfr.spaces import ROBOT_STATE, axis, displacement, position
 from lfr.tasks import Task
 from lfr.tasks import task as task_named
@@ -77,7 +78,8 @@ def fit_any_task(job: AnyTaskJob) -> dict[str, Any]:
     observations, actions = together.tensor_split([len(ANY_TASK_NAMES)], dim=1)
     actions = actions.reshape(len(actions), vae.horizon, vae.action_dim)
     names = known[transfer.common[0]].actions.names
-    material = PriorMaterial(observations, actions, ANY_TASK_NAMES, names, seed)
+    turned = actions_turn_with_base(names)
+    material = PriorMaterial(observations, actions, ANY_TASK_NAMES, names, seed, turned)
     (inner,) = train_priors(vae, [material], job.params)
     new = task_named(transfer.task)
     prior = asked_about(inner, OBJECT, new.observation.names, new.manipulated)

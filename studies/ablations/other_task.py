@@ -35,12 +35,14 @@ class OtherTaskPrior(nn.Module):
         latent_dim: int,
         hidden: int,
         layers: int,
+        turned: bool = False,
     ) -> None:
         super().__init__()
+        self.turned = turned
         self.layout_names, self.inner_names = tuple(layout_names), tuple(inner_names)
         self.columns, self.latent_dim = tuple(columns), latent_dim
         self.hidden, self.layers = hidden, layers
-        self.inner = SkillPrior(inner_names, latent_dim, hidden, layers)
+        self.inner = SkillPrior(inner_names, latent_dim, hidden, layers, turned)
         # Into the observation with the inner prior's means behind it.
         size = len(self.layout_names)
         found = [size + place if c < 0 else c for place, c in enumerate(self.columns)]
@@ -58,7 +60,7 @@ class OtherTaskPrior(nn.Module):
 OTHER_TASK = ModelKind(
     "other_task_prior",
     OtherTaskPrior,
-    ("layout_names", "inner_names", "columns", "latent_dim", "hidden", "layers"),
+    ("layout_names", "inner_names", "columns", "latent_dim", "hidden", "layers", "turned"),
 )
 
 
@@ -73,8 +75,9 @@ def asked_about(
     """
     columns = counterparts(inner.layout_names, inner_object, layout_names, manipulated)
     prior = OtherTaskPrior(
-        layout_names, inner.layout_names, columns, inner.latent_dim, inner.hidden, inner.layers
-    )
+        layout_names, inner.layout_names, columns, inner.latent_dim, inner.hidden, inner.layers,
+        inner.turned,
+    )  # fmt: skip
     prior.inner.load_state_dict(inner.state_dict())
     return prior.eval()
 

@@ -28,15 +28,17 @@ class ResidualPriorPolicy(nn.Module):
         latent_dim: int,
         hidden: int,
         layers: int,
+        turned: bool = False,
     ) -> None:
         super().__init__()
         self.prior = OtherTaskPrior(
-            layout_names, inner_names, columns, latent_dim, hidden, layers
+            layout_names, inner_names, columns, latent_dim, hidden, layers, turned
         )  # fmt: skip
         self.layout_names, self.inner_names = self.prior.layout_names, self.prior.inner_names
         self.columns, self.latent_dim = self.prior.columns, latent_dim
         self.hidden, self.layers = hidden, layers
-        self.normalizer = Normalizer(self.layout_names)
+        self.turned = turned
+        self.normalizer = Normalizer(self.layout_names, turned=turned)
         self.residual = nn.Linear(self.normalizer.size, hidden, bias=False)
         nn.init.zeros_(self.residual.weight)
 
@@ -57,7 +59,7 @@ RESIDUAL_PRIOR = ModelKind("residual_prior_policy", ResidualPriorPolicy, OTHER_T
 def residual_prior(prior: OtherTaskPrior, reference: SkillPrior) -> ResidualPriorPolicy:
     """A policy that begins as ``prior``; it sees the rest in the units of ``reference``."""
     shape = (prior.layout_names, prior.inner_names, prior.columns, prior.latent_dim)
-    policy = ResidualPriorPolicy(*shape, prior.hidden, prior.layers)
+    policy = ResidualPriorPolicy(*shape, prior.hidden, prior.layers, reference.turned)
     policy.prior.load_state_dict(prior.state_dict())
     policy.normalizer.load_state_dict(reference.normalizer.state_dict())
     return policy

@@ -14,6 +14,7 @@ from lfr.skills.model_jobs import divergence, vae_report
 from lfr.skills.saved_models import Seen, save_prior, save_vae
 from lfr.skills.skill_params import SkillsParams
 from lfr.skills.skill_training import PriorMaterial, train_priors, train_vae
+from lfr.skills.symmetry import actions_turn_with_base
 
 
 @dataclass(frozen=True)
@@ -63,7 +64,8 @@ def fit_shared(job: SharedJob) -> dict[str, Any]:
 
     new = known["source", transfer.task]
     start, actions = new.training.observations, new.training.actions
-    material = PriorMaterial(start, actions, new.names, names, seed)
+    turned = actions_turn_with_base(names)
+    material = PriorMaterial(start, actions, new.names, names, seed, turned)
     (prior,) = train_priors(vae, [material], job.params.prior)
     digests = {new.dataset: new.digest}
     seen = Seen(transfer.source, (transfer.task,), digests, seed, new.actions)
