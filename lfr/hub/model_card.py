@@ -19,7 +19,8 @@ ABOUT = {
     "a state. Each folder is named after the tasks that its VAE has seen, for a transfer gives an "
     "arm only what its role in it may see; transfers share them.",
     "mapping": "Generators between the skill spaces of two arms, learned on the tasks that both "
-    "know: G leads from the source's latent space to the target's, F back.",
+    "know: G leads from the source's latent space to the target's, F back; `linear` is the best "
+    "linear map of the same pairs, for comparison.",
     "transfer": "A policy that chooses skills for an arm that has no demonstrations of the task: "
     "the other arm's skill prior behind the generator G, improved by SAC in the latent space. "
     "`initial` is where learning began, the zero-shot policy.",
@@ -103,10 +104,13 @@ def _evaluations(facts: ModelFacts) -> list[EvalResult]:
 def _part(part: Part) -> tuple[str, ...]:
     tasks = part.seen.get("tasks") or [part.seen.get("task", "")]
     shape = part.config.get("model") or {}
-    sizes = [f"{key} {value}" for key, value in shape.items() if not isinstance(value, list)]
-    layout = shape.get("layout_names")
-    if layout:
-        sizes.insert(0, f"observation {len(layout)}")
+    sizes = [f"{key} {value}" for key, value in shape.items()
+             if not isinstance(value, list | bool)]  # fmt: skip
+    for name, said in (("state_names", "hand's state"), ("layout_names", "observation")):
+        if shape.get(name):
+            sizes.insert(0, f"{said} {len(shape[name])}")
+    if shape.get("turned"):
+        sizes.append("in the frame of the hand's azimuth")
     if "networks" in part.config:
         sizes = [f"{name}: {net['class']}" for name, net in part.config["networks"].items()]
     arms = " to ".join(_robots(part))
