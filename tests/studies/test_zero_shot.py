@@ -21,7 +21,7 @@ from lfr.skills.vae import SkillVAE
 from lfr.tasks import task
 from studies.ablations.other_task import OtherTaskPrior, asked_about, save_other_task
 from studies.zero_shot import model_trials, variant_trials
-from tests.skills.made_up import save_models
+from tests.skills.made_up import actions_of, save_models
 
 SCENARIO = Scenario("s1", ("pick_place", "nut_assembly"), {"panda": "lift", "sawyer": "stack"})
 TRANSFER = transfers_of(SCENARIO)[0]  # lift from sawyer to panda
@@ -119,3 +119,22 @@ def test_a_retrained_model_is_judged_anew_and_no_other(folders: tuple[Path, Path
 def test_a_missing_model_is_named(folders: tuple[Path, Path, Path], tmp_path: Path) -> None:
     with pytest.raises(DataError, match="nothing"):
         every((folders[0], folders[1], tmp_path / "nothing"))
+
+
+def test_arms_whose_actions_differ_have_their_policies_too(tmp_path: Path) -> None:
+    """Nothing is carried over as it is but by identity, and retargeting is there."""
+    arms = "panda-joint_position", "ur5e-joint_position"
+    scenario = Scenario("j", ("pick_place",), {arms[1]: "lift"}, arms)
+    (transfer,) = transfers_of(scenario)
+    models = transfer_models(scenario, transfer, tmp_path)
+    for one in models.values():
+        actions = actions_of(one.robot)
+        assert actions is not None
+        save_models(one, SkillVAE(4, len(actions.names), 3, 4), {"lift": prior()})
+    for name in ("g", "linear"):
+        generator(tmp_path / "mapping" / name)
+    trials = model_trials(transfer, models, tmp_path / "mapping", 5)
+    assert set(trials) == {
+        "own_arm", "identity", "no_generator", "linear", "mapped", "retarget", "oracle",
+    }  # fmt: skip
+    assert all(trial.robot == arms[name != "own_arm"] for name, trial in trials.items())
