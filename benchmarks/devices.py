@@ -15,6 +15,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import torch
 
@@ -89,6 +90,14 @@ def learner(
     return run
 
 
+def _many(params: Any) -> tuple[str, dict[str, Any]]:
+    return f"/batch_x{MANY}", {"batch": MANY * params.batch}
+
+
+def _wide(params: Any) -> tuple[str, dict[str, Any]]:
+    return f"/hidden_x{WIDE}", {"hidden": WIDE * params.hidden}
+
+
 def _device(name: str) -> torch.device:
     return device_named("cuda" if name == "cuda" else "cpu")
 
@@ -108,47 +117,26 @@ def measure(
     skills: SkillsParams, mapped: MappingParams, params: TransferParams, repeats: int
 ) -> list[Figure]:
     """All figures, each printed as soon as it is known."""
-    parts: dict[str, tuple[Trained, int]] = {}
-
-    def add(name: str, made: Callable[[int], Trained], steps: int) -> None:
-        parts[name] = made(steps), steps
-
-    one, other = skills.vae, skills.prior
-    large = f"batch_x{MANY}", f"hidden_x{WIDE}"
-    add("skill_vae", lambda n: vae(replace(one, steps=n)), STEPS)
-    add(
-        f"skill_vae/{large[0]}", lambda n: vae(replace(one, steps=n, batch=MANY * one.batch)), FEWER
-    )
-    add(
-        f"skill_vae/{large[1]}",
-        lambda n: vae(replace(one, steps=n, hidden=WIDE * one.hidden)),
-        FEWER,
-    )
-    add("priors_of_three_tasks", lambda n: priors(skills, replace(other, steps=n)), STEPS)
-    add(
-        f"priors_of_three_tasks/{large[0]}",
-        lambda n: priors(skills, replace(other, steps=n, batch=MANY * other.batch)),
-        FEWER,
-    )
-    add(
-        f"priors_of_three_tasks/{large[1]}",
-        lambda n: priors(skills, replace(other, steps=n, hidden=WIDE * other.hidden)),
-        FEWER,
-    )
-    add("mapping", lambda n: mapping(skills, replace(mapped, steps=n)), STEPS)
-    add(
-        f"mapping/{large[0]}",
-        lambda n: mapping(skills, replace(mapped, steps=n, batch=MANY * mapped.batch)),
-        FEWER,
-    )
-    add("learner", lambda n: learner(skills, mapped, params, n), STEPS)
-    add(
-        f"learner/{large[0]}",
-        lambda n: learner(skills, mapped, replace(params, batch=MANY * params.batch), n),
-        FEWER,
-    )
-    wide = replace(params, critic_hidden=tuple(WIDE * width for width in params.critic_hidden))
-    add(f"learner/critics_x{WIDE}", lambda n: learner(skills, mapped, wide, n), FEWER)
+    wide_critics = tuple(WIDE * width for width in params.critic_hidden)
+    larger: dict[str, list[tuple[str, dict[str, Any]]]] = {
+        "skill_vae": [_many(skills.vae), _wide(skills.vae)],
+        "priors_of_three_tasks": [_many(skills.prior), _wide(skills.prior)],
+        "mapping": [_many(mapped)],
+        "learner": [_many(params), (f"/critics_x{WIDE}", {"critic_hidden": wide_critics})],
+    }
+    made: dict[str, Callable[[dict[str, Any], int], Trained]] = {
+        "skill_vae": lambda change, n: vae(replace(skills.vae, steps=n, **change)),
+        "priors_of_three_tasks": lambda change, n: priors(
+            skills, replace(skills.prior, steps=n, **change)
+        ),
+        "mapping": lambda change, n: mapping(skills, replace(mapped, steps=n, **change)),
+        "learner": lambda change, n: learner(skills, mapped, replace(params, **change), n),
+    }
+    parts = {
+        f"{part}{name}": (made[part](change, steps), steps)
+        for part, changes in larger.items()
+        for name, change, steps in (("", {}, STEPS), *((*one, FEWER) for one in changes))
+    }
     figures = []
     for name, (trained, steps) in parts.items():
         sides = (_rate(trained, side, steps) for side in ("cuda", "cpu"))

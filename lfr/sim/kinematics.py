@@ -8,12 +8,22 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from lfr.compiled.arrays import SceneArrays
 from lfr.controllers.controller import Configuration
+from lfr.controllers.joint_position import RETURN
 from lfr.embodiments import embodiment
 from lfr.sim.scene_cache import load_scene
 
-STEPS, NEAR, DAMPING, RETURN = 100, 1e-5, 1e-3, 0.15
+STEPS, NEAR, DAMPING = 100, 1e-5, 1e-3
 MOST = 0.3  # m and rad that a step may ask the hand to move
+
+
+def jacobian(data: mujoco.MjData, arrays: SceneArrays, joints: int) -> NDArray[np.float64]:
+    """Of the grip site by the arm's joints, translation above rotation, base frame, (6, N)."""
+    base = data.xmat[arrays.base_body].reshape(3, 3)
+    axes, anchors = data.xaxis[:joints], data.xanchor[:joints]  # of hinges in a chain
+    hand = data.site_xpos[arrays.grip_site]
+    return np.vstack([(np.cross(axes, hand - anchors) @ base).T, (axes @ base).T])
 
 
 class Kinematics:
@@ -35,13 +45,9 @@ class Kinematics:
     def at(self, joint_position: NDArray[np.float64]) -> Configuration:
         """The arm at joint positions (N,) rad."""
         self._move(joint_position)
-        data, n, arrays = self._data, self.joints, self._scene.arrays
-        base = data.xmat[arrays.base_body].reshape(3, 3)
-        axes, hand = data.xaxis[:n], data.site_xpos[arrays.grip_site]
-        jacobian = np.vstack([
-            (np.cross(axes, hand - data.xanchor[:n]) @ base).T, (axes @ base).T
-        ])  # fmt: skip
-        return Configuration(joint_position.copy(), self.rest, jacobian, arrays.action_scale)
+        arrays = self._scene.arrays
+        J = jacobian(self._data, arrays, self.joints)
+        return Configuration(joint_position.copy(), self.rest, J, arrays.action_scale)
 
     def hand(
         self, joint_position: NDArray[np.float64]
@@ -69,7 +75,7 @@ class Kinematics:
             if np.abs(error).max() < NEAR:
                 break
             error *= min(1.0, MOST / float(np.abs(error).max()))
-            J = self.at(q).jacobian
+            J = jacobian(self._data, self._scene.arrays, self.joints)  # where `hand` has moved it
             inverse = J.T @ np.linalg.inv(J @ J.T + DAMPING**2 * np.eye(6))
             back = RETURN * (self.rest - q)
             back[0] = 0.0

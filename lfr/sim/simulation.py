@@ -13,6 +13,7 @@ from lfr.sim import kernel, libmujoco
 from lfr.sim.compilation import compiling_once, make_callable
 from lfr.sim.cube import ResizableModel, no_cube, resize
 from lfr.sim.engine import engine
+from lfr.sim.kinematics import jacobian
 from lfr.sim.scene import Scene
 from lfr.sim.scene_cache import load_scene
 from lfr.sim.start import room
@@ -119,13 +120,9 @@ class Simulation:
 
     def configuration(self) -> Configuration:
         """Where the arm stands, for `Controller.action_of`."""
-        data, n = self._data, self.joints
-        base = data.xmat[self._scene.arrays.base_body].reshape(3, 3)
-        axes, anchors = data.xaxis[:n], data.xanchor[:n]  # of hinges in a chain
-        hand = data.site_xpos[self._scene.arrays.grip_site]
-        jacobian = np.vstack([(np.cross(axes, hand - anchors) @ base).T, (axes @ base).T])
-        rest, scale = self._scene.start.joint_position, self._scene.arrays.action_scale
-        return Configuration(self.joint_position(), rest, jacobian, scale)
+        arrays, rest = self._scene.arrays, self._scene.start.joint_position
+        J = jacobian(self._data, arrays, self.joints)
+        return Configuration(self.joint_position(), rest, J, arrays.action_scale)
 
     def body_poses(self) -> dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]:
         """Body name -> position (3,) m and quaternion (4,) wxyz, in the world frame."""

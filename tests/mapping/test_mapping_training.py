@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 import torch
@@ -14,6 +15,7 @@ from lfr.errors import ParameterError
 from lfr.mapping.closed_form import linear
 from lfr.mapping.generator import Generator
 from lfr.mapping.map_quality import common_report, decoded_difference, new_task_report
+from lfr.mapping.mapping_jobs import mapping_job
 from lfr.mapping.mapping_training import (
     GIVEN_NOTHING,
     ActionWindows,
@@ -26,6 +28,8 @@ from lfr.mapping.mapping_training import (
     paired,
     train_mapping,
 )
+from lfr.scenarios import Scenario, transfers_of
+from lfr.skills.library import transfer_models
 from lfr.skills.prior import SkillPrior
 from lfr.skills.symmetry import SymmetryParams
 from lfr.skills.vae import SkillVAE
@@ -189,3 +193,23 @@ def test_the_state_is_that_of_the_pair_and_windows_have_any() -> None:
     blind = CommonTask(made[0], made[1], seen[:, 1:])
     with pytest.raises(ParameterError, match="do not begin with the hand's state"):
         condition_of([blind], params)
+
+
+@pytest.mark.parametrize(
+    ("arms", "copies", "shifted"),
+    [
+        (("panda", "sawyer"), True, True),
+        (("panda", "ur5e-joint_position"), True, False),  # turns alone: one arm's skills turn
+        (("panda-joint_position", "ur5e-joint_position"), False, False),  # the priors' frame
+    ],
+)
+def test_states_are_moved_as_both_arms_allow(
+    arms: tuple[str, str], copies: bool, shifted: bool, tmp_path: Path
+) -> None:
+    scenario = Scenario("s", ("pick_place",), {arms[1]: "lift"}, arms)
+    (transfer,) = transfers_of(scenario)
+    skills = transfer_models(scenario, transfer, tmp_path)
+    job = mapping_job(scenario, transfer, MappingParams(), 0.1, 0, skills, tmp_path)
+    moved = job.params.symmetry
+    assert (moved.copies > 0, moved.shift > 0.0, moved.mirror) == (copies, shifted, shifted)
+    assert (moved.turn > 0.0) == copies
