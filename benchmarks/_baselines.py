@@ -11,7 +11,7 @@ import torch
 from gymnasium.spaces import Box
 from torch import Tensor, nn
 
-from lfr.skills.vae import LOG_SIGMA_RANGE
+from lfr.skills.gaussian import LOG_SIGMA_RANGE
 from lfr.transfer.critic import OBSERVATION_CLIP
 from lfr.transfer.methods.initialization import Initialization
 from lfr.transfer.transfer_params import TransferParams

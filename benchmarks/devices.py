@@ -22,7 +22,8 @@ import torch
 from benchmarks._figures import FOLDER, Figure, Measurement, compare, show, write
 from lfr.embodiments import embodiment
 from lfr.mapping.generator import Generator
-from lfr.mapping.mapping_training import MappingParams, Pairs, train_mapping
+from lfr.mapping.mapping_params import MappingParams
+from lfr.mapping.mapping_training import Pairs, train_mapping
 from lfr.networks.device import device_named
 from lfr.skills.prior import SkillPrior
 from lfr.skills.skill_params import PriorParams, SkillsParams, VAEParams

@@ -20,7 +20,7 @@ import torch
 
 from benchmarks._figures import FOLDER, Figure, Measurement, compare, show, write
 from lfr.mapping.generator import Generator
-from lfr.mapping.mapping_training import MappingParams
+from lfr.mapping.mapping_params import MappingParams
 from lfr.params import read_section
 from lfr.skills.prior import SkillPrior
 from lfr.skills.skill_params import SkillsParams

@@ -28,7 +28,7 @@ from lfr.jobs.order import Order
 from lfr.jobs.pool import run_in_pool
 from lfr.jobs.results import Results
 from lfr.mapping.mapping_jobs import MappingJob, fit_mapping
-from lfr.mapping.mapping_training import MappingParams
+from lfr.mapping.mapping_params import MappingParams
 from lfr.params import read_section
 from lfr.progress import progress
 from lfr.scenarios import Role, Scenario, transfers_of, visible_tasks

@@ -8,7 +8,7 @@ from lfr.evaluation.chain import chain_trials, train_and_measure
 from lfr.evaluation.protocol import EvaluateParams
 from lfr.external import ExternalArm, external_arms
 from lfr.mapping.mapping_jobs import mapping_job
-from lfr.mapping.mapping_training import MappingParams
+from lfr.mapping.mapping_params import MappingParams
 from lfr.params import read_section
 from lfr.program import run_stage
 from lfr.scenarios import Role, Transfer

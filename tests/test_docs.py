@@ -112,7 +112,7 @@ def test_a_name_that_is_not_there_is_noticed() -> None:
 def test_every_parameter_is_one_of_its_stage(document: Path) -> None:
     from lfr.demos.recorder import RecordParams
     from lfr.evaluation.protocol import EvaluateParams
-    from lfr.mapping.mapping_training import MappingParams
+    from lfr.mapping.mapping_params import MappingParams
     from lfr.skills.skill_params import SkillsParams
     from lfr.transfer.transfer_params import TransferParams
     from pipeline._stage import SeedParams

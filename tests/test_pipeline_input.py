@@ -12,7 +12,7 @@ import pytest
 
 from lfr.demos.recorder import RecordParams
 from lfr.evaluation.protocol import EvaluateParams
-from lfr.mapping.mapping_training import MappingParams
+from lfr.mapping.mapping_params import MappingParams
 from lfr.params import read_section, read_yaml
 from lfr.program import run_stage
 from lfr.scenarios import transfers

@@ -15,7 +15,7 @@ from torch import Tensor
 
 from lfr.columns import ActionSpace, Columns
 from lfr.data import tables
-from lfr.data.episode import REWARD, SUCCESS
+from lfr.data.episode import JOINT_POSITION, REWARD, SUCCESS
 from lfr.data.selection import RECORDED, Chosen, select
 from lfr.data.tables import DatasetFiles
 from lfr.errors import DataError
@@ -36,6 +36,7 @@ class DemonstrationSet:
         action_space: the name of each dimension, and what -1 and 1 stand for.
         robot, task, fps: as the dataset says; the task is "" where it does not.
         seeds: of each episode, or () where the dataset does not say.
+        joint_positions: (N, J) rad, float32, before the action; None where the dataset has none.
     """
 
     observations: Tensor
@@ -49,6 +50,7 @@ class DemonstrationSet:
     task: str
     fps: int
     seeds: tuple[int, ...] = ()
+    joint_positions: Tensor | None = None
 
     def __len__(self) -> int:
         """Number of rows."""
@@ -77,6 +79,7 @@ class DemonstrationSet:
             actions=self.actions[rows],
             rewards=None if self.rewards is None else self.rewards[rows],
             successes=None if self.successes is None else self.successes[rows],
+            joint_positions=None if self.joint_positions is None else self.joint_positions[rows],
             starts=starts,
             seeds=tuple(self.seeds[e] for e in chosen.tolist()) if self.seeds else (),
         )
@@ -160,7 +163,8 @@ def read_dataset(
     """
     files = DatasetFiles.open(Path(path))
     chosen = select(files, columns)
-    extra = [column for column in (REWARD, SUCCESS) if column in files.features]
+    wanted = (REWARD, SUCCESS, *((JOINT_POSITION,) if columns is RECORDED else ()))
+    extra = [column for column in wanted if column in files.features]
     table = files.data([*columns.needed, *extra])
     lengths = files.episodes["length"].to_numpy()
     if lengths.sum() != len(table):
@@ -185,6 +189,7 @@ def read_dataset(
         task=instruction if instruction is not None else ", ".join(files.task_names()),
         fps=files.info["fps"],
         seeds=tuple(seeds),
+        joint_positions=_vectors(table, JOINT_POSITION) if JOINT_POSITION in extra else None,
     )
     return found if instruction is None else found.select(episodes_of(files, instruction))
 
@@ -219,6 +224,11 @@ def _taken(table: pa.Table, part: Chosen) -> NDArray:
     if part.places != tuple(range(values.shape[1])):
         values = values[:, part.places]
     return values if part.unit == 1.0 else values / part.unit
+
+
+def _vectors(table: pa.Table, column: str) -> Tensor:
+    values = np.array(tables.values(table, column), np.float32)
+    return torch.from_numpy(values.reshape(len(values), -1))
 
 
 def _scalars(table: pa.Table, column: str) -> Tensor:

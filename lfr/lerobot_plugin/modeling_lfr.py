@@ -72,7 +72,7 @@ class LfrPolicy(PreTrainedPolicy):
         for key in (OBS_STATE, OBS_ENV_STATE):
             self._check(key, tuple(batch[key].shape[1:]))
         observations = torch.cat([batch[OBS_STATE], batch[OBS_ENV_STATE]], dim=-1)  # (B, D)
-        return self._actor.decoder.carry_out(self._actor.choose(observations).z)
+        return self._actor.decoder.carry_out(self._actor.choose(observations).z, observations)
 
     def forward(self, batch: dict[str, Tensor]) -> tuple[Tensor, dict | None]:
         """Raises LfrError: a transferred policy does not learn from a dataset."""

@@ -6,7 +6,8 @@ import torch
 from torch import nn
 
 from lfr.mapping.generator import Generator
-from lfr.mapping.mapping_training import GIVEN_NOTHING, Condition, Pairs
+from lfr.mapping.mapping_training import Pairs
+from lfr.skills.condition import GIVEN_NOTHING, Condition
 
 
 @torch.no_grad()

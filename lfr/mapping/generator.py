@@ -8,11 +8,11 @@ from itertools import pairwise
 import torch
 from torch import Tensor, nn
 
-from lfr.skills.prior import Normalizer
-from lfr.skills.vae import LOG_SIGMA_RANGE
+from lfr.skills.condition import Conditioned
+from lfr.skills.gaussian import LOG_SIGMA_RANGE
 
 
-class Generator(nn.Module):
+class Generator(Conditioned):
     """Maps ``(mu, log_sigma)`` (B, Z) of one latent space to those of another.
 
     Three fully connected layers (part V.A) over k = [mu, log sigma]. Inputs and outputs are
@@ -39,15 +39,12 @@ class Generator(nn.Module):
         state_names: Sequence[str] = (),
         turned: bool = False,
     ) -> None:
-        super().__init__()
+        super().__init__(state_names, turned)
         self.latent_dim, self.hidden, self.layers = latent_dim, hidden, layers
-        self.state_names, self.turned = tuple(state_names), turned
         size = 2 * latent_dim
         for name, value in (("centre", torch.zeros(size)), ("scale", torch.ones(size))):
             self.register_buffer(f"{name}_in", value.clone())
             self.register_buffer(f"{name}_out", value.clone())
-        self.normalizer = Normalizer(state_names, turned=turned) if state_names else None
-        self.feature_size = self.normalizer.size if self.normalizer else 0
         widths = [size + self.feature_size] + [hidden] * (layers - 1)
         blocks: list[nn.Module] = []
         for inputs, outputs in pairwise(widths):
@@ -64,11 +61,6 @@ class Generator(nn.Module):
     def at(self, mu: Tensor, log_sigma: Tensor, observation: Tensor) -> tuple[Tensor, Tensor]:
         """`forward` in the states of observations (B, D)."""
         return self(mu, log_sigma, self.features(observation))
-
-    def features(self, observation: Tensor) -> Tensor:
-        """What G sees of observations (B, D): (B, F), F = 0 for G(k)."""
-        seen = observation[:, : len(self.state_names)]
-        return seen if self.normalizer is None else self.normalizer(seen)
 
     def translate(self, k: Tensor, features: Tensor | None = None) -> Tensor:
         """k of the other space for k = [mu, log sigma] (B, 2Z) of this one.

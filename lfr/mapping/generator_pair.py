@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import torch
 from torch import Tensor
 
@@ -55,6 +57,26 @@ class GeneratorPair:
         cycle = cycle.clone()
         by_there = by_inputs[..., : known.shape[2]].flip(0)
         return self.networks.by_parameters(traces, slope + by_there).add_(cycle)
+
+    @torch.no_grad()
+    def gradient_of_mapped(
+        self,
+        known_x: Tensor,
+        slope: Callable[[Tensor], Tensor],
+        features: Tensor | None = None,
+    ) -> Tensor:
+        """Of a loss of k_y = G(k_x) by all parameters, (P,); F's are zero.
+
+        Args:
+            known_x: standardised, (B, 2Z).
+            slope: gives dL/dk_y (B, 2Z) for k_y (B, 2Z).
+        """
+        there, traces = self.networks.evaluate(_beside(known_x.expand(2, -1, -1), features))
+        by_there = torch.zeros_like(there)
+        with torch.enable_grad():
+            by_there[0] = slope(there[0] * self._scale[1] + self._centre[1])
+        by_there[0] *= self._scale[1]
+        return self.networks.by_parameters(traces, by_there)
 
 
 def _beside(k: Tensor, features: Tensor | None) -> Tensor:

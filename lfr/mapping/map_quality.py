@@ -60,7 +60,7 @@ def decoded_difference(
     squares = torch.zeros(source.action_dim, dtype=torch.float64)
     for some in observations.split(CHUNK):
         mu, log_sigma = prior_x(some)
-        apart = source.decode(mu) - target.decode(g.at(mu, log_sigma, some)[0])
+        apart = source.decode(mu, some) - target.decode(g.at(mu, log_sigma, some)[0], some)
         squares += apart.square().sum(dim=(0, 1), dtype=torch.float64)
     return (squares / (len(observations) * source.horizon)).sqrt().float()
 

@@ -15,11 +15,12 @@ from lfr.artifacts import fingerprint
 from lfr.embodiments import embodiment, may_share_actions
 from lfr.external import ExternalArm
 from lfr.mapping.closed_form import linear
+from lfr.mapping.hand_loss import ArmSkills, SourceTask, hand_difference, hand_loss
 from lfr.mapping.map_quality import common_report, decoded_difference, new_task_report
+from lfr.mapping.mapping_params import MappingParams
 from lfr.mapping.mapping_training import (
     ActionWindows,
     CommonTask,
-    MappingParams,
     condition_of,
     drawn_pairs,
     train_mapping,
@@ -30,8 +31,9 @@ from lfr.skills.demonstrations import DATASETS, Demonstrations, balanced, read_v
 from lfr.skills.library import RoleModels
 from lfr.skills.prior import SkillPrior
 from lfr.skills.rows import thinned
-from lfr.skills.saved_models import load_prior, load_vae
+from lfr.skills.saved_models import load_jacobian, load_prior, load_vae
 from lfr.skills.symmetry import AS_RECORDED, actions_turn_with_base, suited
+from lfr.spaces import ROBOT_STATE
 
 
 @dataclass(frozen=True)
@@ -84,7 +86,8 @@ class Material:
         training, held_out: the common tasks with states of both arms.
         windows: of the common tasks by both arms, if pairs of posteriors are asked for and their
             actions are the same things.
-        new: the source's prior of the new task, and its held-out states of it.
+        new, new_training: the source's prior of the new task, and its held-out states of it, or
+            those that it was trained on.
         datasets: common dataset's name -> SHA-256 of its rows.
         action_names: of each dimension, if both arms' actions are the same things.
     """
@@ -92,7 +95,8 @@ class Material:
     training: dict[str, CommonTask]
     held_out: dict[str, CommonTask]
     windows: ActionWindows | None
-    new: tuple[SkillPrior, Tensor]
+    new: SourceTask
+    new_training: SourceTask
     datasets: dict[str, str]
     action_names: tuple[str, ...] | None
 
@@ -109,7 +113,13 @@ def fit_mapping(job: MappingJob) -> dict[str, Any]:
     tasks = list(known.training.values())
     pairs = drawn_pairs(tasks, vaes, known.windows, job.params, seed)
     condition = condition_of(tasks, job.params)
-    g, f = train_mapping(pairs, job.params, seed, condition)
+    skills = arm_skills(job, "source"), arm_skills(job, "target")
+    compared = None
+    if job.params.hand.weight and skills[0] and skills[1]:
+        asked = [SourceTask(one.prior_x, one.observations) for one in tasks]
+        asked.append(known.new_training)
+        compared = hand_loss(asked, skills[0], skills[1], job.params, seed)
+    g, f = train_mapping(pairs, job.params, seed, condition, compared)
     seen = MappingSeen(
         transfer.name, transfer.source, transfer.target, (arms[0].name, arms[1].name),
         transfer.common, known.datasets, seed,
@@ -118,11 +128,14 @@ def fit_mapping(job: MappingJob) -> dict[str, Any]:
     save_generator(Path(job.folder) / "f", f, seen)
     save_generator(Path(job.folder) / "linear", linear(pairs, condition), seen)
 
-    def decoded(prior: SkillPrior, states: Tensor) -> dict[str, float]:
-        if known.action_names is None:
-            return {}
-        rms = decoded_difference(prior, states, g, *vaes).tolist()
-        return dict(zip(known.action_names, rms, strict=True))
+    def decoded(prior: SkillPrior, states: Tensor) -> dict[str, Any]:
+        found: dict[str, Any] = {"decoded_difference": {}}
+        if known.action_names is not None:
+            rms = decoded_difference(prior, states, g, *vaes).tolist()
+            found["decoded_difference"] = dict(zip(known.action_names, rms, strict=True))
+        if skills[0] and skills[1]:
+            found |= hand_difference(SourceTask(prior, states), g, skills[0], skills[1])
+        return found
 
     return {
         "source": transfer.source,
@@ -130,17 +143,28 @@ def fit_mapping(job: MappingJob) -> dict[str, Any]:
         "common": {
             task: {
                 **common_report(one, g, f),
-                "decoded_difference": decoded(one.prior_x, one.observations),
+                **decoded(one.prior_x, one.observations),
             }
             for task, one in known.held_out.items()
         },
         "new": {
             transfer.task: {
                 **new_task_report(*known.new, g, f),
-                "decoded_difference": decoded(*known.new),
+                **decoded(*known.new),
             }
         },
     }
+
+
+def arm_skills(job: MappingJob, role: Role) -> ArmSkills | None:
+    """How an arm carries out its skills, by its models; None of an external arm, whose observation
+    may not say where its hand is.
+    """
+    models = job.skills[role]
+    if models.robot in job.arms:
+        return None
+    folder = models.jacobian()
+    return ArmSkills(load_vae(models.vae()), None if folder is None else load_jacobian(folder))
 
 
 def read_material(job: MappingJob, seed: int) -> Material:
@@ -149,26 +173,30 @@ def read_material(job: MappingJob, seed: int) -> Material:
     source = _read(job, transfer.source, "source", (*transfer.common, transfer.task))
     target = _read(job, transfer.target, "target", transfer.common)
     new = source[transfer.task]
+    prior = load_prior(job.skills["source"].prior(transfer.task), new.names)
     spaces = new.actions, target[transfer.common[0]].actions
     alike = spaces[0] == spaces[1] and may_share_actions(transfer.source, transfer.target)
     action_names = spaces[0].names if alike else None
     windows = None
     if job.params.posterior_share and action_names is not None:
         arms = (("source", source), ("target", target))
-        actions = balanced(
-            {f"{role}-{task}": thinned(demonstrations[task].training.actions)
-             for role, demonstrations in arms for task in transfer.common}, seed,
-        )  # fmt: skip
-        windows = ActionWindows(actions, action_names)
+        shown = {
+            f"{role}-{task}": demonstrations[task].training
+            for role, demonstrations in arms
+            for task in transfer.common
+        }
+        actions = {name: thinned(part.actions) for name, part in shown.items()}
+        states = {
+            name: thinned(part.observations[:, : ROBOT_STATE.size]) for name, part in shown.items()
+        }
+        windows = ActionWindows(balanced(actions, seed), action_names, balanced(states, seed))
     learned = [arm[task] for arm in (source, target) for task in transfer.common]
     return Material(
         training=_common(job, source, target, "training_states"),
         held_out=_common(job, source, target, "held_out_states"),
         windows=windows,
-        new=(
-            load_prior(job.skills["source"].prior(transfer.task), new.names),
-            new.held_out_states,
-        ),
+        new=SourceTask(prior, new.held_out_states),
+        new_training=SourceTask(prior, new.training_states),
         datasets={one.dataset: one.digest for one in learned},
         action_names=action_names,
     )

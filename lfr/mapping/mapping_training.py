@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import Literal, NamedTuple
+from dataclasses import dataclass
+from functools import partial
+from typing import NamedTuple
 
 import torch
 from torch import Tensor
@@ -12,34 +13,20 @@ from torch import Tensor
 from lfr.errors import ParameterError
 from lfr.mapping.generator import Generator
 from lfr.mapping.generator_pair import GeneratorPair
-from lfr.networks.device import DeviceName, device_named
+from lfr.mapping.hand_loss import HandLoss
+from lfr.mapping.mapping_params import MappingParams
+from lfr.mapping.states import drawn_states
+from lfr.networks.device import device_named
 from lfr.networks.optimizer import FlatAdam, annealed, clip_norm
 from lfr.skills.augmentation import augment
+from lfr.skills.condition import GIVEN_NOTHING, Condition
 from lfr.skills.prior import SkillPrior
-from lfr.skills.symmetry import SymmetryParams, moved_states
 from lfr.skills.vae import CHUNK, SkillVAE
 from lfr.spaces import ROBOT_STATE
 
 MOST_NORM = 50.0  # of the gradient
 PAIRS = 2**17
 """Made once and drawn from again and again: far more than the numbers that G and F learn."""
-
-
-@dataclass(frozen=True)
-class MappingParams:
-    """Parameters of the mapping stage: section ``mapping`` of params.yaml."""
-
-    hidden: int = 128
-    layers: int = 3  # part V.A
-    cycle_weight: float = 1.0  # lambda of Eq. 4
-    steps: int = 4000
-    batch: int = 256
-    learning_rate: float = 1e-3
-    symmetry: SymmetryParams = field(default_factory=SymmetryParams)  # of the states compared
-    state_noise: float = 0.1  # of an input's normalised unit: states between and beside the demos
-    posterior_share: float = 0.5  # share of pairs that are both encoders' posteriors of one window
-    condition: Literal["none", "state"] = "none"  # what G and F see beside k: G(k), or G(k, s)
-    device: DeviceName = "cpu"
 
 
 @dataclass(frozen=True)
@@ -58,10 +45,15 @@ class CommonTask:
 
 
 class ActionWindows(NamedTuple):
-    """Actions (N, H, A) in [-1, 1], their dimensions called ``names``."""
+    """Actions (N, H, A) in [-1, 1], their dimensions called ``names``, and where they begin.
+
+    Attributes:
+        states: (N, S), the robot's part of the states.
+    """
 
     actions: Tensor
     names: tuple[str, ...]
+    states: Tensor | None = None
 
 
 class Pairs(NamedTuple):
@@ -74,16 +66,6 @@ class Pairs(NamedTuple):
     k_x: Tensor
     k_y: Tensor
     states: Tensor | None = None
-
-
-class Condition(NamedTuple):
-    """What G and F see beside k: dimensions of the state, perhaps in the frame of the azimuth."""
-
-    state_names: tuple[str, ...] = ()
-    turned: bool = False
-
-
-GIVEN_NOTHING = Condition()
 
 
 def condition_of(tasks: Sequence[CommonTask], params: MappingParams) -> Condition:
@@ -118,13 +100,20 @@ def paired(task: CommonTask, observations: Tensor) -> Pairs:
 
 
 def train_mapping(
-    pairs: Pairs, params: MappingParams, seed: int, condition: Condition = GIVEN_NOTHING
+    pairs: Pairs,
+    params: MappingParams,
+    seed: int,
+    condition: Condition = GIVEN_NOTHING,
+    hand: HandLoss | None = None,
 ) -> tuple[Generator, Generator]:
     """G: X -> Y and F: Y -> X, by Algorithm 1.
 
     Algorithm 1 draws a common task and a state in each iteration, predicts both arms'
     distributions, maps them and descends on Eq. 4. Lines 9 and 10 map one way only, depending on
     whose state it is; here every pair trains both ways, which are the same two terms of Eq. 5.
+
+    Args:
+        hand: beside Eq. 4, what G is held to, with the weight that the parameters give it.
     """
     torch.manual_seed(seed)
     generator = torch.Generator().manual_seed(seed)
@@ -135,12 +124,23 @@ def train_mapping(
     pair = GeneratorPair(g, f, device_named(params.device))
     known, networks = pair.standardised(pairs.k_x, pairs.k_y), pair.networks
     seen = None if pairs.states is None else g.features(pairs.states).to(known.device)
+    if hand is not None:
+        hand = hand.to(known.device)
+        skills = pair.standardised(hand.k_x, hand.k_x)[0]
+        where = None if seen is None else g.features(hand.states.cpu()).to(known.device)
     adam = FlatAdam(networks.vector, params.learning_rate)
     for step in range(params.steps):
         index = torch.randint(len(pairs.k_x), (params.batch,), generator=generator)
         index = index.to(known.device)
         features = None if seen is None else seen[index]
         gradient = pair.gradient(known[:, index], params.cycle_weight, features)
+        if hand is not None:
+            gradient = gradient.clone()
+            drawn = torch.randint(len(skills), (params.hand.batch,), generator=generator)
+            at_hand = pair.gradient_of_mapped(
+                skills[drawn], partial(hand.slope, drawn), None if where is None else where[drawn]
+            )
+            gradient.add_(at_hand, alpha=params.hand.weight)
         adam.lr = annealed(params.learning_rate, step, params.steps)
         adam.descend(clip_norm(gradient, MOST_NORM))
     networks.write_back()
@@ -186,11 +186,7 @@ def _predictions(
     task: CommonTask, count: int, params: MappingParams, generator: torch.Generator
 ) -> Pairs:
     """Pairs at ``count`` states drawn from the task's and their moved copies, blurred."""
-    names = task.prior_x.layout_names
-    states = moved_states(task.observations, names, params.symmetry, generator)
-    states = states[torch.randint(len(states), (count,), generator=generator)]
-    blur = params.state_noise * task.prior_x.normalizer.noise_scale()
-    states = states + blur * torch.randn(states.shape, generator=generator)
+    states = drawn_states(task.prior_x, task.observations, count, params, generator)
     return paired(task, states)._replace(states=states[:, : ROBOT_STATE.size])
 
 
@@ -204,5 +200,6 @@ def _posteriors(
     """What both encoders make of the same, augmented windows: pairs beyond the common tasks."""
     index = torch.randint(len(windows.actions), (count,), generator=generator)
     actions = augment(windows.actions[index], windows.names, generator)
-    k_x, k_y = (torch.cat(encoder.encode_all(actions), dim=-1) for encoder in encoders)
+    states = None if windows.states is None else windows.states[index]
+    k_x, k_y = (torch.cat(encoder.encode_all(actions, states), dim=-1) for encoder in encoders)
     return Pairs(k_x, k_y)

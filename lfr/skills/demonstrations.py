@@ -19,6 +19,8 @@ from lfr.embodiments import embodiment
 from lfr.errors import DataError
 from lfr.external import ExternalArm
 from lfr.scenarios import Role, Scenario, check_visible
+from lfr.skills.hand_motion import HandSteps, hand_steps
+from lfr.skills.symmetry import actions_turn_with_base
 from lfr.tasks import task as task_named
 
 DATASETS = Path("data/lerobot")
@@ -38,6 +40,8 @@ class Demonstrations:
         actions: the names of the action's dimensions, and what -1 and 1 stand for.
         training, held_out: windows of different episodes.
         training_states, held_out_states: (N, D), every state of these episodes.
+        training_steps, held_out_steps: how joints and hand moved in these episodes, where actions
+            are motions of the joints; else None.
     """
 
     dataset: str
@@ -48,6 +52,8 @@ class Demonstrations:
     held_out: WindowBatch
     training_states: Tensor
     held_out_states: Tensor
+    training_steps: HandSteps | None = None
+    held_out_steps: HandSteps | None = None
 
 
 def read_visible(
@@ -127,6 +133,8 @@ def read_demonstrations(
             "no episode is as long as a skill", file=path,
             found=f"{int(found.lengths.max())} frames", expected=f"{horizon} or more",
         )  # fmt: skip
+    joints = arm is None and actions_turn_with_base(found.action_space.names)
+    steps = [hand_steps(part) if joints else None for part in (training, kept)]
     return Demonstrations(
         dataset=path.name,
         digest=file_hash(path / "data"),
@@ -136,13 +144,17 @@ def read_demonstrations(
         held_out=windows[1],
         training_states=training.observations,
         held_out_states=kept.observations,
+        training_steps=steps[0],
+        held_out_steps=steps[1],
     )
 
 
 def _read_recorded(path: Path, robot: str, task: str) -> DemonstrationSet:
     expected = features_of(embodiment(robot), task_named(task))
-    # Joint names differ by robot, and nothing here learns from them.
-    needed = {key: f for key, f in expected.items() if key != JOINT_POSITION}
+    # Joint names differ by project; only where actions are their motions does anything here learn
+    # from them.
+    used = actions_turn_with_base(embodiment(robot).action.names)
+    needed = {key: f for key, f in expected.items() if used or key != JOINT_POSITION}
     check_dataset(path, features=needed, fps=FPS, robot=robot, task=task)
     return read_dataset(path)
 
@@ -150,7 +162,8 @@ def _read_recorded(path: Path, robot: str, task: str) -> DemonstrationSet:
 def balanced(windows: Mapping[str, Tensor], seed: int) -> Tensor:
     """Action windows (N_t, H, A) by task, as one (N, H, A) in which every task counts alike.
 
-    Windows of tasks with shorter episodes are drawn again until all have as many.
+    Windows of tasks with shorter episodes are drawn again until all have as many. Which ones
+    follows from the seed and the numbers of windows: what belongs to them, (N_t, S), is so too.
     """
     generator = torch.Generator().manual_seed(seed)
     most = max(len(actions) for actions in windows.values())

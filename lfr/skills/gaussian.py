@@ -7,6 +7,9 @@ import math
 import torch
 from torch import Tensor
 
+LOG_SIGMA_RANGE = (-6.0, 2.0)
+"""That networks are held to, by which a distribution is predicted."""
+
 
 def kl_divergence(mu_p: Tensor, log_sigma_p: Tensor, mu_q: Tensor, log_sigma_q: Tensor) -> Tensor:
     """KL(p || q) of diagonal Gaussians in closed form, summed over the latent dimensions, (...,).

@@ -1,9 +1,10 @@
 """Where skill models lie, which of them transfers need, and who may work with which.
 
 Models belong to a robot and the tasks that it was shown, so that transfers share them:
-``<robot>/<tasks>/vae``, and beside it a ``prior-<task>`` for its latent space, ``<tasks>`` being
-the names in their order, joined by "+". A transfer finds those of a role by what the leak rule lets
-the role see (`lfr.scenarios.visible_tasks`).
+``<robot>/<tasks>/vae``, beside it a ``prior-<task>`` for its latent space and, where actions are
+motions of the joints, the hand's ``jacobian``; ``<tasks>`` are the names in their order, joined by
+"+". A transfer finds those of a role by what the leak rule lets the role see
+(`lfr.scenarios.visible_tasks`).
 """
 
 from __future__ import annotations
@@ -27,6 +28,10 @@ class SkillFolder:
     @property
     def vae(self) -> Path:
         return self.path / "vae"
+
+    @property
+    def jacobian(self) -> Path:
+        return self.path / "jacobian"
 
     def prior(self, task: str) -> Path:
         return self.path / f"prior-{task}"
@@ -70,6 +75,13 @@ class RoleModels:
             LfrError: it has seen a task that is hidden from this role.
         """
         return self._checked(self._folder.vae)
+
+    def jacobian(self) -> Path | None:
+        """The folder of the hand's Jacobian, of an arm whose actions are joint motions; raises as
+        `vae`.
+        """
+        folder = self._folder.jacobian
+        return self._checked(folder) if folder.is_dir() else None
 
     def prior(self, task: str) -> Path:
         """The folder of a task's prior; raises as `vae`."""

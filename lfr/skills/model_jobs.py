@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -12,15 +12,18 @@ from torch import Tensor
 
 from lfr.artifacts import fingerprint
 from lfr.data.windows import WindowBatch
+from lfr.embodiments import embodiment
 from lfr.external import ExternalArm
 from lfr.jobs import Job
 from lfr.networks.device import device_named
+from lfr.skills.condition import GIVEN_NOTHING, POSE_NAMES, Condition
 from lfr.skills.demonstrations import DATASETS, Demonstrations, balanced, read_tasks
 from lfr.skills.gaussian import kl_divergence, kl_to_standard_normal
+from lfr.skills.hand_motion import HandJacobian, HandSteps, jacobian_error, train_jacobian
 from lfr.skills.library import SkillFolder, skill_folder, tasks_name
 from lfr.skills.prior import SkillPrior
-from lfr.skills.saved_models import Seen, load_vae, save_prior, save_vae
-from lfr.skills.skill_params import SkillsParams
+from lfr.skills.saved_models import Seen, load_vae, save_jacobian, save_prior, save_vae
+from lfr.skills.skill_params import SkillsParams, VAEParams
 from lfr.skills.skill_training import PriorMaterial, train_priors, train_vae
 from lfr.skills.symmetry import AS_RECORDED, actions_turn_with_base
 from lfr.skills.vae import CHUNK, SkillVAE, reconstruction_rmse
@@ -105,14 +108,44 @@ def fit_vae(spec: VAETraining) -> dict[str, Any]:
     seed = model_seed(spec)
     windows = {task: known.training.actions for task, known in demonstrations.items()}
     names = next(iter(demonstrations.values())).actions.names
-    device = device_named(spec.params.device)
-    vae = train_vae(balanced(windows, seed), names, spec.params.vae, seed, device)
-    save_vae(spec.models.vae, vae, _seen(spec.robot, demonstrations, seed))
+    seen = _seen(spec.robot, demonstrations, seed)
+    jacobian, report = _fit_jacobian(spec, demonstrations, seed)
+    if jacobian is not None:
+        save_jacobian(spec.models.jacobian, jacobian, seen)
+    poses = {
+        task: known.training.observations[:, : len(POSE_NAMES)]
+        for task, known in demonstrations.items()
+    }
+    vae = train_vae(
+        balanced(windows, seed), names, spec.params.vae, seed, device_named(spec.params.device),
+        balanced(poses, seed), vae_condition(spec.params.vae, names),
+        jacobian if spec.params.vae.error == "hand" else None,
+    )  # fmt: skip
+    save_vae(spec.models.vae, vae, seen)
     return {
         "tasks": spec.tasks,
         "datasets": {known.dataset: known.digest for known in demonstrations.values()},
         "held_out": {task: vae_report(vae, known) for task, known in demonstrations.items()},
+        **report,
     }
+
+
+def _fit_jacobian(
+    spec: VAETraining, demonstrations: Mapping[str, Demonstrations], seed: int
+) -> tuple[HandJacobian | None, dict[str, Any]]:
+    """The hand's Jacobian, of an arm whose actions are motions of its joints, and its report."""
+    steps = [one.training_steps for one in demonstrations.values() if one.training_steps]
+    if not steps:
+        return None, {}
+    together = HandSteps(*(torch.cat(part) for part in zip(*steps, strict=True)))
+    scale = embodiment(spec.robot).action_scale
+    jacobian = train_jacobian(together, scale, spec.params.jacobian, seed)
+    errors = {
+        task: jacobian_error(jacobian, known.held_out_steps)
+        for task, known in demonstrations.items()
+        if known.held_out_steps
+    }
+    return jacobian, {"jacobian": errors}
 
 
 def fit_priors(spec: PriorsTraining) -> dict[str, dict[str, Any]]:
@@ -143,18 +176,25 @@ def _material(spec: VAETraining, task: str) -> PriorMaterial:
     )
 
 
+def vae_condition(params: VAEParams, action_names: Sequence[str]) -> Condition:
+    """What a VAE of actions called ``action_names`` sees of the state."""
+    if params.condition == "none":
+        return GIVEN_NOTHING
+    return Condition(POSE_NAMES, actions_turn_with_base(action_names))
+
+
 @torch.no_grad()
 def divergence(vae: SkillVAE, prior: SkillPrior, windows: WindowBatch) -> Tensor:
     """KL(q(z|a) || p_a(z|s)) of every window, (B,), some at a time to spare memory."""
     pairs = zip(windows.actions.split(CHUNK), windows.observations.split(CHUNK), strict=True)
-    return torch.cat([kl_divergence(*vae.encode(a), *prior(seen)) for a, seen in pairs])
+    return torch.cat([kl_divergence(*vae.encode(a, seen), *prior(seen)) for a, seen in pairs])
 
 
 def vae_report(vae: SkillVAE, known: Demonstrations) -> dict[str, Any]:
     """Reconstruction error per action dimension and KL(q || N(0, I)), on held-out windows."""
-    actions = known.held_out.actions
-    rmse = reconstruction_rmse(vae, actions).tolist()
-    kl = kl_to_standard_normal(*vae.encode_all(actions))
+    observations, actions, _ = known.held_out
+    rmse = reconstruction_rmse(vae, actions, observations).tolist()
+    kl = kl_to_standard_normal(*vae.encode_all(actions, observations))
     return {"rmse": dict(zip(known.actions.names, rmse, strict=True)), "kl": _mean(kl)}
 
 
@@ -182,8 +222,13 @@ def _seen(robot: str, demonstrations: Mapping[str, Demonstrations], seed: int) -
 
 
 def _suited(params: SkillsParams, arm: ExternalArm | None) -> SkillsParams:
-    """Without moved scenes where it is not known how this arm's actions move with them."""
-    if arm is None or arm.cartesian:
+    """Of an external arm: its observation may say no pose, and only of a Cartesian one is it known
+    how its actions move with the scene.
+    """
+    if arm is None:
+        return params
+    params = replace(params, vae=replace(params.vae, condition="none"))
+    if arm.cartesian:
         return params
     vae, prior = replace(params.vae, augment=0.0), replace(params.prior, symmetry=AS_RECORDED)
     return replace(params, vae=vae, prior=prior)

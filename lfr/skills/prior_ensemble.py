@@ -9,9 +9,8 @@ from torch import Tensor
 
 from lfr.networks.device import CPU
 from lfr.networks.stacked import Stacked
-from lfr.skills.gaussian import kl_slopes
+from lfr.skills.gaussian import LOG_SIGMA_RANGE, kl_slopes
 from lfr.skills.prior import SkillPrior
-from lfr.skills.vae import LOG_SIGMA_RANGE
 
 
 class PriorEnsemble:

@@ -11,13 +11,19 @@ from lfr.columns import ActionSpace
 from lfr.embodiments import embodiment, may_share_actions
 from lfr.errors import DataError
 from lfr.model_files import ModelKind, load_seen_as
+from lfr.skills.hand_motion import HandJacobian
 from lfr.skills.prior import SkillPrior
 from lfr.skills.vae import SkillVAE
 
-VAE = ModelKind("skill_vae", SkillVAE, ("horizon", "action_dim", "latent_dim", "hidden", "execute"))
+VAE = ModelKind(
+    "skill_vae",
+    SkillVAE,
+    ("horizon", "action_dim", "latent_dim", "hidden", "execute", "state_names", "turned"),
+)
 PRIOR = ModelKind(
     "skill_prior", SkillPrior, ("layout_names", "latent_dim", "hidden", "layers", "turned")
 )
+JACOBIAN = ModelKind("hand_jacobian", HandJacobian, ("joints", "hidden"))
 
 
 @dataclass(frozen=True)
@@ -70,6 +76,15 @@ def load_prior(folder: Path, layout_names: Sequence[str] | None = None) -> Skill
     if layout_names is not None:
         check_layout(folder, prior.layout_names, layout_names)
     return prior
+
+
+def save_jacobian(folder: Path, jacobian: HandJacobian, seen: Seen) -> None:
+    JACOBIAN.save(folder, jacobian, seen)
+
+
+def load_jacobian(folder: Path) -> HandJacobian:
+    """The hand's Jacobian in a folder; raises as `load_vae`."""
+    return JACOBIAN.load(folder)
 
 
 def load_seen(folder: Path) -> Seen:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Literal
 
 from lfr.errors import ParameterError
 from lfr.networks.device import DeviceName
+from lfr.skills.hand_motion import JacobianParams
 from lfr.skills.symmetry import SymmetryParams
 
 
@@ -22,6 +24,9 @@ class VAEParams:
     batch: int = 64
     learning_rate: float = 8e-3
     augment: float = 0.5  # share of each batch whose windows are turned, scaled, recombined
+    condition: Literal["none", "pose"] = "none"  # what q(z|a) and p(a|z) see: the hand's pose
+    error: Literal["actions", "hand"] = "actions"  # where Eq. 2 measures it; of joint motions at
+    # the hand too, by the Jacobian of the arm's own demonstrations
 
     def __post_init__(self) -> None:
         if self.execute < 1:
@@ -48,6 +53,7 @@ class PriorParams:
 
 @dataclass(frozen=True)
 class SkillsParams:
+    jacobian: JacobianParams = field(default_factory=JacobianParams)
     vae: VAEParams = field(default_factory=VAEParams)
     prior: PriorParams = field(default_factory=PriorParams)
     held_out: float = 0.1  # share of each dataset's episodes kept for the report

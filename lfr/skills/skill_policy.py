@@ -41,7 +41,7 @@ class SkillPolicy:
         """The next skill's actions, as many as are carried out, (n, A), for an observation (D,)."""
         seen = torch.as_tensor(observation, dtype=torch.float32)[None]
         mu, _ = self.translate(*self.prior(seen), seen)
-        return self.decoder.carry_out(mu)[0].double().numpy()
+        return self.decoder.carry_out(mu, seen)[0].double().numpy()
 
 
 def untranslated(mu: Tensor, log_sigma: Tensor, observation: Tensor) -> Distribution:
@@ -56,7 +56,7 @@ def recoded(source: SkillVAE, target: SkillVAE) -> Callable[[Tensor, Tensor, Ten
     """
 
     def translate(mu: Tensor, log_sigma: Tensor, observation: Tensor) -> Distribution:
-        return target.encode(source.decode(mu))
+        return target.encode(source.decode(mu, observation), observation)
 
     return translate
 

@@ -17,6 +17,8 @@ from torch import Tensor
 from lfr.networks.device import CPU
 from lfr.networks.optimizer import FlatAdam, annealed, clip_norm, flatten_parameters, trainable
 from lfr.skills.augmentation import augment
+from lfr.skills.condition import GIVEN_NOTHING, Condition
+from lfr.skills.hand_motion import HandJacobian
 from lfr.skills.prior import SkillPrior
 from lfr.skills.prior_ensemble import PriorEnsemble
 from lfr.skills.skill_params import PriorParams, VAEParams
@@ -28,23 +30,42 @@ STEPS_AT_ONCE = 16  # of which the batches are drawn together
 
 
 def train_vae(
-    actions: Tensor, names: Sequence[str], params: VAEParams, seed: int, device: torch.device = CPU
+    actions: Tensor,
+    names: Sequence[str],
+    params: VAEParams,
+    seed: int,
+    device: torch.device = CPU,
+    states: Tensor | None = None,
+    condition: Condition = GIVEN_NOTHING,
+    jacobian: HandJacobian | None = None,
 ) -> SkillVAE:
     """A skill VAE of action windows (N, H, A) in [-1, 1], named ``names``, all tasks together.
 
     Every task counts alike only if its windows do: give it as many as it should weigh.
+
+    Args:
+        states: (N, S), where the windows begin, and ``condition``, what the VAE sees of them.
+        jacobian: by which errors count at the hand.
     """
     torch.manual_seed(seed)
     generator = torch.Generator().manual_seed(seed)
     vae = SkillVAE(
-        params.horizon, actions.shape[-1], params.latent_dim, params.hidden, params.execute
-    ).to(device)
+        params.horizon, actions.shape[-1], params.latent_dim, params.hidden, params.execute,
+        *condition,
+    )  # fmt: skip
+    if vae.normalizer is not None and states is not None:
+        vae.normalizer.fit(states, vae.state_names)
+    vae.to(device)
+    jacobian = None if jacobian is None else copy.deepcopy(jacobian).to(device)
     weights = trainable(vae)
     adam = FlatAdam(flatten_parameters(vae), params.learning_rate)
     # cuDNN would have each LSTM's weights by themselves; here they are parts of one vector
     warnings.filterwarnings("ignore", message="RNN module weights are not part")
-    for step, batch in enumerate(_windows(actions, names, params, generator)):
-        loss, _ = vae_loss(vae, batch.to(device), params.alpha)
+    for step, (batch, drawn) in enumerate(_windows(actions, names, params, generator)):
+        seen = None if states is None else states[drawn].to(device)
+        with torch.no_grad():
+            J = None if jacobian is None or seen is None else jacobian(seen)
+        loss, _ = vae_loss(vae, batch.to(device), params.alpha, seen, J)
         gradient = torch.cat([g.reshape(-1) for g in torch.autograd.grad(loss, weights)])
         adam.lr = annealed(params.learning_rate, step, params.steps)
         adam.descend(clip_norm(gradient, MOST_NORM))
@@ -53,8 +74,8 @@ def train_vae(
 
 def _windows(
     actions: Tensor, names: Sequence[str], params: VAEParams, generator: torch.Generator
-) -> Iterator[Tensor]:
-    """A batch (B, H, A) for each step, the first of its windows augmented."""
+) -> Iterator[tuple[Tensor, Tensor]]:
+    """A batch (B, H, A) for each step, some of its windows augmented, and their numbers (B,)."""
     augmented = round(params.augment * params.batch)
     for first in range(0, params.steps, STEPS_AT_ONCE):
         steps = min(STEPS_AT_ONCE, params.steps - first)
@@ -63,7 +84,7 @@ def _windows(
         if augmented:
             made = augment(batches[:, :augmented].flatten(0, 1), names, generator)
             batches[:, :augmented] = made.unflatten(0, (steps, augmented))
-        yield from batches
+        yield from zip(batches, drawn, strict=True)
 
 
 @dataclass(frozen=True)
@@ -139,7 +160,7 @@ class _PriorLearner:
             params.symmetry, generator,
         )  # fmt: skip
         prior.normalizer.fit(observations, material.names)
-        return cls(prior, observations, *vae.encode_all(actions), generator)
+        return cls(prior, observations, *vae.encode_all(actions, observations), generator)
 
     @torch.no_grad()
     def draw(self, steps: int, params: PriorParams) -> tuple[Tensor, Tensor, Tensor]:

@@ -7,7 +7,7 @@ its objects stand. It does not hold for asymmetric hands.
 
 Under joint control the demonstrator would do the same actions in a scene that is turned, and
 nothing is known of the other two. There no copies are needed: a prior sees the scene in the frame
-of the hand's azimuth, in which all turned copies are one (`lfr.skills.prior.Normalizer`).
+of the hand's azimuth, in which all turned copies are one (`lfr.skills.normalizer.Normalizer`).
 """
 
 from __future__ import annotations

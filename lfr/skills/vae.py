@@ -6,20 +6,29 @@ part V.A: 128 hidden units, H = 10, Z = 10.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+
 import torch
 from torch import Tensor, nn
 
-from lfr.skills.gaussian import kl_to_standard_normal, sample
+from lfr.skills.condition import Conditioned
+from lfr.skills.gaussian import LOG_SIGMA_RANGE, kl_to_standard_normal, sample
 
-LOG_SIGMA_RANGE = (-6.0, 2.0)
 CHUNK = 2**14  # windows encoded together; an LSTM keeps H x hidden numbers of each
 
 
-class SkillVAE(nn.Module):
+class SkillVAE(Conditioned):
     """Encodes actions (B, H, A) to ``(mu, log_sigma)``, (B, Z) each, and decodes z (B, Z) to them.
 
     Actions are the controller's, in [-1, 1]. ``execute`` of a skill's actions are carried out
     before the next skill is chosen; None carries out all, as the paper does.
+
+    Args:
+        state_names: what encoder and decoder see of the state in which a skill begins, the first
+            dimensions of an observation: q(z|a, s) and p(a|z, s). None of them is the paper's. The
+            same motion of an arm's joints is another motion of the hand in another posture, so z
+            can say the latter only where the posture is seen.
+        turned: whether they see that in the frame of the hand's azimuth (`Normalizer`).
     """
 
     def __init__(
@@ -29,72 +38,135 @@ class SkillVAE(nn.Module):
         latent_dim: int,
         hidden: int,
         execute: int | None = None,
+        state_names: Sequence[str] = (),
+        turned: bool = False,
     ) -> None:
-        super().__init__()
+        super().__init__(state_names, turned)
         self.horizon, self.action_dim = horizon, action_dim
         self.execute = min(execute or horizon, horizon)
         self.latent_dim, self.hidden = latent_dim, hidden
-        self.encoder = nn.LSTM(action_dim, hidden, batch_first=True)
+        self.encoder = nn.LSTM(action_dim + self.feature_size, hidden, batch_first=True)
         self.posterior = nn.Linear(hidden, 2 * latent_dim)
-        self.initial = nn.Linear(latent_dim, 2 * hidden)
-        self.decoder = nn.LSTM(latent_dim, hidden, batch_first=True)
+        self.initial = nn.Linear(latent_dim + self.feature_size, 2 * hidden)
+        self.decoder = nn.LSTM(latent_dim + self.feature_size, hidden, batch_first=True)
         self.output = nn.Linear(hidden, action_dim)
 
-    def encode(self, actions: Tensor) -> tuple[Tensor, Tensor]:
-        """The posterior q(z|a) of actions (B, H, A): mu and log_sigma, (B, Z) each."""
-        _, (hidden, _) = self.encoder(actions)
+    def encode(self, actions: Tensor, observations: Tensor | None = None) -> tuple[Tensor, Tensor]:
+        """The posterior q(z|a) of actions (B, H, A): mu and log_sigma, (B, Z) each.
+
+        Args:
+            observations: (B, D), where they begin; needed where it sees of the state at all.
+        """
+        seen = [part[:, None].expand(-1, self.horizon, -1) for part in self._seen(observations)]
+        _, (hidden, _) = self.encoder(torch.cat([actions, *seen], dim=-1))
         mu, log_sigma = self.posterior(hidden[-1]).chunk(2, dim=-1)
         return mu, log_sigma.clamp(*LOG_SIGMA_RANGE)
 
     @torch.no_grad()
-    def encode_all(self, actions: Tensor) -> tuple[Tensor, Tensor]:
+    def encode_all(
+        self, actions: Tensor, observations: Tensor | None = None
+    ) -> tuple[Tensor, Tensor]:
         """`encode` without gradients for any number of windows, some at a time to spare memory.
 
         What it gives lies where ``actions`` does, wherever the network is.
         """
         device = self.output.weight.device
-        parts = [self.encode(some.to(device)) for some in actions.split(CHUNK)]
+        parts = [
+            self.encode(some.to(device), None if where is None else where.to(device))
+            for some, where in _split(actions, observations)
+        ]
         mu, log_sigma = (torch.cat(part).to(actions.device) for part in zip(*parts, strict=True))
         return mu, log_sigma
 
-    def reconstruct(self, z: Tensor) -> Tensor:
-        """The decoder's mean action sequence, unclipped, (B, H, A): what Eq. 3 compares."""
+    def reconstruct(self, z: Tensor, observations: Tensor | None = None) -> Tensor:
+        """The decoder's mean action sequence, unclipped, (B, H, A): what Eq. 3 compares.
+
+        Args:
+            observations: (B, D), where the skills begin; needed where it sees of the state at all.
+        """
+        z = torch.cat([z, *self._seen(observations)], dim=-1)
         hidden, cell = self.initial(z).chunk(2, dim=-1)
-        repeated = z[:, None, :].expand(-1, self.horizon, -1)  # (B, H, Z)
+        repeated = z[:, None, :].expand(-1, self.horizon, -1)  # (B, H, Z + F)
         state = (hidden[None].contiguous(), cell[None].contiguous())
         features, _ = self.decoder(repeated.contiguous(), state)
         return self.output(features)
 
-    def decode(self, z: Tensor) -> Tensor:
+    def decode(self, z: Tensor, observations: Tensor | None = None) -> Tensor:
         """Actions that an arm can execute, clipped to [-1, 1], (B, H, A)."""
-        return self.reconstruct(z).clamp(-1.0, 1.0)
+        return self.reconstruct(z, observations).clamp(-1.0, 1.0)
 
-    def carry_out(self, z: Tensor) -> Tensor:
+    def carry_out(self, z: Tensor, observations: Tensor | None = None) -> Tensor:
         """The first ``execute`` of the decoded actions, (B, execute, A)."""
-        return self.decode(z)[:, : self.execute]
+        return self.decode(z, observations)[:, : self.execute]
+
+    def _seen(self, observations: Tensor | None) -> tuple[Tensor, ...]:
+        """``(features,)`` of the observations, (B, F), or nothing where it sees nothing of them."""
+        if not self.state_names:
+            return ()
+        if observations is None:
+            raise ValueError("this skill VAE sees the state; give it the observations too")
+        return (self.features(observations),)
 
 
-def vae_loss(vae: SkillVAE, actions: Tensor, alpha: float) -> tuple[Tensor, dict[str, Tensor]]:
-    """Eq. 2 and the first two terms of Eq. 3 for actions (B, H, A).
+JOINTS_SHARE = 0.3
+"""Weight of a squared error of the joints beside one of the hand, which does not see all of it."""
+
+
+def action_error(error: Tensor, jacobian: Tensor | None = None) -> Tensor:
+    """The mean squared error of actions off by ``error`` (B, H, A).
+
+    Args:
+        jacobian: (B, 6, A - 1), of the hand's motion by the joints' where the windows begin. The
+            hand's error then counts in place of the joints', in units of a hand's motion
+            (`lfr.skills.hand_motion`), and these with `JOINTS_SHARE`; the gripper's as it is.
+    """
+    if jacobian is None:
+        return error.square().mean()
+    joints = error[..., :-1]
+    hand = joints @ jacobian.mT  # (B, H, 6)
+    squares = hand.square().sum(-1) + JOINTS_SHARE * joints.square().sum(-1)
+    return (squares + error[..., -1].square()).mean() / error.shape[-1]
+
+
+def vae_loss(
+    vae: SkillVAE,
+    actions: Tensor,
+    alpha: float,
+    observations: Tensor | None = None,
+    jacobian: Tensor | None = None,
+) -> tuple[Tensor, dict[str, Tensor]]:
+    """Eq. 2 and the first two terms of Eq. 3 for actions (B, H, A) from observations (B, D) on.
 
     Eq. 3 prints the reconstruction of ``z_i`` and sums over i = 1..H; it must be the actions',
     since the sum runs over the horizon. Here it is the mean over batch, horizon and action
     dimensions, and the divergence is summed over latent dimensions, so ``alpha`` is comparable
     across H.
+
+    Args:
+        jacobian: of the hand by the joints, (B, 6, A - 1), where errors count at the hand.
     """
-    mu, log_sigma = vae.encode(actions)
-    reconstruction = vae.reconstruct(sample(mu, log_sigma))
-    error = (reconstruction - actions).square().mean()
+    mu, log_sigma = vae.encode(actions, observations)
+    reconstruction = vae.reconstruct(sample(mu, log_sigma), observations)
+    error = action_error(reconstruction - actions, jacobian)
     divergence = kl_to_standard_normal(mu, log_sigma).mean()
     loss = error + alpha * divergence
     return loss, {"reconstruction": error.detach(), "kl": divergence.detach()}
 
 
-def reconstruction_rmse(vae: SkillVAE, actions: Tensor) -> Tensor:
+def reconstruction_rmse(
+    vae: SkillVAE, actions: Tensor, observations: Tensor | None = None
+) -> Tensor:
     """Root-mean-square error per action dimension, (A,), of the posterior mean's decoding."""
     squares = torch.zeros(vae.action_dim, dtype=torch.float64)
     with torch.no_grad():
-        for some in actions.split(CHUNK):
-            decoded = vae.decode(vae.encode(some)[0])
+        for some, where in _split(actions, observations):
+            decoded = vae.decode(vae.encode(some, where)[0], where)
             squares += (decoded - some).square().sum(dim=(0, 1), dtype=torch.float64)
     return (squares / actions[..., 0].numel()).sqrt().float()
+
+
+def _split(actions: Tensor, observations: Tensor | None) -> Iterator[tuple[Tensor, Tensor | None]]:
+    """Both in chunks of as many rows."""
+    parts = actions.split(CHUNK)
+    where = [None] * len(parts) if observations is None else observations.split(CHUNK)
+    yield from zip(parts, where, strict=True)

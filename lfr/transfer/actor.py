@@ -24,8 +24,8 @@ class Decoder(Protocol):
         """Move its parameters, in place."""
         ...
 
-    def carry_out(self, z: Tensor, /) -> Tensor:
-        """The actions (B, n, A) in [-1, 1] of skills (B, Z)."""
+    def carry_out(self, z: Tensor, observations: Tensor, /) -> Tensor:
+        """The actions (B, n, A) in [-1, 1] of skills (B, Z) that begin at observations (B, D)."""
         ...
 
 
@@ -36,7 +36,7 @@ class OneAction(nn.Module):
         super().__init__()
         self.latent_dim = latent_dim
 
-    def carry_out(self, z: Tensor) -> Tensor:
+    def carry_out(self, z: Tensor, observations: Tensor) -> Tensor:
         return z.clamp(-1.0, 1.0)[:, None, :]
 
 
@@ -88,17 +88,21 @@ class SkillActor:
         return Choice(self.distribution.skill(mu, log_sigma, noise), mu, log_sigma)
 
     @torch.no_grad()
-    def decode(self, z: Tensor) -> NDArray[np.float64]:
-        """Actions (B, n, A) in [-1, 1] of skills (B, Z), as many as the decoder carries out."""
-        return self.decoder.carry_out(z).cpu().double().numpy()
+    def decode(self, z: Tensor, observations: Tensor) -> NDArray[np.float64]:
+        """Actions (B, n, A) in [-1, 1] of skills (B, Z), as many as the decoder carries out.
+
+        Args:
+            observations: (B, D), where the skills begin.
+        """
+        return self.decoder.carry_out(z, observations).cpu().double().numpy()
 
     def act(self, observation: NDArray[np.floating]) -> NDArray[np.float64]:
         """The next skill's actions (n, A) for an observation (D,), or (B, n, A) for (B, D).
 
         The mean of the policy, not a sample.
         """
-        rows = np.atleast_2d(observation)
-        actions = self.decode(self.choose(as_tensor(rows).to(self.device)).z)
+        rows = as_tensor(np.atleast_2d(observation)).to(self.device)
+        actions = self.decode(self.choose(rows).z, rows)
         return actions if np.ndim(observation) > 1 else actions[0]
 
 

@@ -122,7 +122,7 @@ class TransferLoop:
         """
         observations = self._seen([episode.observation for episode in self.episodes])
         choice = self.actor.choose(observations, self.generator)
-        actions = self.actor.decode(choice.z)
+        actions = self.actor.decode(choice.z, observations)
         executing = self.worker.submit(self._execute, actions)
         try:
             self._update()

@@ -67,7 +67,7 @@ class _TracedPolicy:
         choice = self.actor.choose(batch)
         gaussians = (self.actor.prior.pi(batch), self.actor.prior(batch))  # p_a and phi(p_a)
         self.rows.append([_array(p) for p in (*choice, *(p for pair in gaussians for p in pair))])
-        actions = self.actor.decode(choice.z)[0]
+        actions = self.actor.decode(choice.z, batch)[0]
         self.starts.append(self.next)
         self.next += len(actions)
         return actions

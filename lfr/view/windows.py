@@ -166,17 +166,18 @@ def trace_windows(models: SkillModels, episode: Episode) -> WindowTrace:
     vae, source, target = models.vaes[arm], models.vaes["source"], models.vaes["target"]
     observations, actions = _windows(episode, vae.horizon, models.source_prior.layout_names)
     with torch.no_grad():
-        window, prior = vae.encode(actions), models.source_prior(observations)
+        window = vae.encode(actions, observations)
+        prior = models.source_prior(observations)
         mapped = models.generator.at(prior[0], prior[1], observations)
         mapped_window = (
             models.generator.at(window[0], window[1], observations) if arm == "source" else None
         )
         own = None if models.target_prior is None else models.target_prior(observations)
-        decoded = {"window": vae.decode(window[0])}
+        decoded = {"window": vae.decode(window[0], observations)}
         if models.actions["source"] == models.actions[arm]:
-            decoded["source prior"] = source.decode(prior[0])
+            decoded["source prior"] = source.decode(prior[0], observations)
         if models.actions["target"] == models.actions[arm]:
-            decoded["mapped prior"] = target.decode(mapped[0])
+            decoded["mapped prior"] = target.decode(mapped[0], observations)
     return WindowTrace(
         arm=arm,
         window=_gaussians(window),

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import torch
 
+from lfr.mapping.hand_loss import SourceTask
 from lfr.mapping.mapping_jobs import MappingJob, Material
 from lfr.mapping.mapping_training import ActionWindows, CommonTask
 from lfr.skills.demonstrations import balanced, read_visible
@@ -51,11 +52,13 @@ def material_between(
     windows = {task: thinned(known[task].training.actions) for task in transfer.common}
     new = known[transfer.task]
     shared = ActionWindows(balanced(windows, seed), new.actions.names)
+    prior = load_prior(arms[0].prior(transfer.task), new.names)
     material = Material(
         training=common({task: known[task].training_states for task in transfer.common}),
         held_out=common({task: known[task].held_out_states for task in transfer.common}),
         windows=shared if job.params.posterior_share else None,
-        new=(load_prior(arms[0].prior(transfer.task), new.names), new.held_out_states),
+        new=SourceTask(prior, new.held_out_states),
+        new_training=SourceTask(prior, new.training_states),
         datasets={known[task].dataset: known[task].digest for task in transfer.common},
         action_names=new.actions.names,
     )

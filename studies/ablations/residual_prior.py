@@ -8,8 +8,9 @@ import torch
 from torch import Tensor, nn
 
 from lfr.model_files import ModelKind
-from lfr.skills.prior import Normalizer, SkillPrior
-from lfr.skills.vae import LOG_SIGMA_RANGE
+from lfr.skills.gaussian import LOG_SIGMA_RANGE
+from lfr.skills.normalizer import Normalizer
+from lfr.skills.prior import SkillPrior
 from studies.ablations.other_task import OTHER_TASK, OtherTaskPrior
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from lfr.mapping.mapping_jobs import mapping_job
-from lfr.mapping.mapping_training import MappingParams
+from lfr.mapping.mapping_params import MappingParams
 from lfr.scenarios import Role, Scenario, Transfer
 from lfr.skills.demonstrations import DATASETS
 from lfr.skills.library import RoleModels

@@ -13,7 +13,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from lfr.skills.prior import Normalizer
+from lfr.skills.normalizer import Normalizer
 
 Hidden = tuple[Tensor, Tensor]
 """Hidden and cell state of the LSTM, (layers, B, hidden) each."""
@@ -40,8 +40,8 @@ class Mixture(NamedTuple):
 class RecurrentGMM(nn.Module):
     """Maps observations (B, T, D), in the layout's units, to a `Mixture` over actions (B, T, A).
 
-    Observations enter as a skill prior sees them (`lfr.skills.prior.Normalizer`); robomimic takes
-    them as they are, in units that suit the joints and objects of its tasks alike.
+    Observations enter as a skill prior sees them (`lfr.skills.normalizer.Normalizer`); robomimic
+    takes them as they are, in units that suit the joints and objects of its tasks alike.
 
     Attributes:
         horizon: steps of the sequences it is trained on, after which its hidden state is reset.

@@ -14,7 +14,7 @@ from lfr.mapping.saved_generators import (
     load_mapping_seen,
     save_generator,
 )
-from lfr.skills.vae import LOG_SIGMA_RANGE
+from lfr.skills.gaussian import LOG_SIGMA_RANGE
 from lfr.spaces import ROBOT_STATE
 
 Z = 3

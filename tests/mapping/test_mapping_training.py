@@ -119,8 +119,8 @@ def test_decoders_of_one_space_agree_through_the_mapping(
     """A target whose decoder undoes the rotation first does what the source does."""
 
     class Turned(SkillVAE):
-        def decode(self, z: torch.Tensor) -> torch.Tensor:
-            return super().decode(z @ ROTATION)
+        def decode(self, z: torch.Tensor, observations: torch.Tensor | None = None) -> torch.Tensor:
+            return super().decode(z @ ROTATION, observations)
 
     tasks, g, _ = learned
     torch.manual_seed(3)

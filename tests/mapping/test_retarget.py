@@ -24,7 +24,7 @@ class Saying:
     def __call__(self, observation: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
         return torch.zeros(1, 2), torch.zeros(1, 2)
 
-    def carry_out(self, z: torch.Tensor) -> torch.Tensor:
+    def carry_out(self, z: torch.Tensor, observations: torch.Tensor) -> torch.Tensor:
         return self.actions
 
 

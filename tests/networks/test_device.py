@@ -9,7 +9,8 @@ from torch import Tensor, nn
 
 from lfr.embodiments import embodiment
 from lfr.errors import ParameterError
-from lfr.mapping.mapping_training import MappingParams, Pairs, train_mapping
+from lfr.mapping.mapping_params import MappingParams
+from lfr.mapping.mapping_training import Pairs, train_mapping
 from lfr.networks.device import CPU, DeviceName, device_named
 from lfr.skills.skill_params import PriorParams, VAEParams
 from lfr.skills.skill_training import PriorMaterial, train_priors, train_vae

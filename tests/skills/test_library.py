@@ -12,7 +12,7 @@ import pytest
 from lfr.errors import DataError, LfrError
 from lfr.evaluation.chain import chain_trials
 from lfr.mapping.mapping_jobs import fit_mapping, mapping_job
-from lfr.mapping.mapping_training import MappingParams
+from lfr.mapping.mapping_params import MappingParams
 from lfr.scenarios import Scenario, transfers_of
 from lfr.skills.library import (
     RoleModels,

@@ -8,7 +8,8 @@ import torch
 
 from lfr.embodiments import embodiment
 from lfr.errors import DataError
-from lfr.skills.prior import TILT_SCALE, SkillPrior
+from lfr.skills.normalizer import TILT_SCALE
+from lfr.skills.prior import SkillPrior
 from lfr.skills.saved_models import (
     Seen,
     load_prior,

@@ -6,12 +6,13 @@ from torch import Tensor, nn
 from torch.distributions import Independent, Normal, kl_divergence
 
 from lfr.embodiments import embodiment
+from lfr.skills.gaussian import LOG_SIGMA_RANGE
 from lfr.skills.prior import SkillPrior
 from lfr.skills.prior_ensemble import PriorEnsemble
 from lfr.skills.skill_params import PriorParams
 from lfr.skills.skill_training import PriorMaterial, train_priors
 from lfr.skills.symmetry import AS_RECORDED, SymmetryParams
-from lfr.skills.vae import LOG_SIGMA_RANGE, SkillVAE
+from lfr.skills.vae import SkillVAE
 from lfr.tasks import task
 
 OSC = embodiment("panda").action.names

@@ -4,9 +4,10 @@ import pytest
 import torch
 
 from lfr.embodiments import embodiment
+from lfr.skills.gaussian import LOG_SIGMA_RANGE
 from lfr.skills.skill_params import VAEParams
 from lfr.skills.skill_training import train_vae
-from lfr.skills.vae import LOG_SIGMA_RANGE, SkillVAE, reconstruction_rmse, vae_loss
+from lfr.skills.vae import SkillVAE, reconstruction_rmse, vae_loss
 
 OSC = embodiment("panda").action.names
 TINY = VAEParams(horizon=4, latent_dim=3, hidden=8, steps=20, batch=8)

@@ -69,7 +69,7 @@ class PointSimulation:
 class DirectDecoder(SkillVAE):
     """Every action of the skill is tanh(z): what the point does is what was chosen."""
 
-    def decode(self, z: torch.Tensor) -> torch.Tensor:
+    def decode(self, z: torch.Tensor, observations: torch.Tensor | None = None) -> torch.Tensor:
         return torch.tanh(z)[:, None, :].expand(-1, self.horizon, -1)
 
 

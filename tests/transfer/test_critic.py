@@ -8,7 +8,7 @@ from torch import nn
 from torch.distributions import Normal
 from torch.distributions.kl import kl_divergence
 
-from lfr.skills.prior import Normalizer
+from lfr.skills.normalizer import Normalizer
 from lfr.transfer.critic import CriticEnsemble, critic_loss, pessimistic, td_target
 
 NAMES = [f"number.{name}" for name in "abcd"]
