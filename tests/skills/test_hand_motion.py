@@ -1,5 +1,7 @@
 """The Jacobian learned from demonstrations against the arm's own model."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import torch
@@ -75,21 +77,7 @@ def test_steps_stay_within_an_episode_and_in_the_frame_of_the_azimuth() -> None:
     # the whole arm turned about its vertical: other poses, the same steps
     count = len(one)
     motion = SceneMotion(torch.full((count,), 0.6), torch.ones(count), torch.zeros(count, 3), True)
-    turned = hand_steps(
-        DemonstrationSet(
-            move(one.observations, POSE_NAMES, motion),
-            one.actions,
-            None,
-            None,
-            one.starts,
-            one.observation_names,
-            one.action_space,
-            one.robot,
-            "",
-            20,
-            joint_positions=one.joint_positions,
-        )  # fmt: skip
-    )
+    turned = hand_steps(replace(one, observations=move(one.observations, POSE_NAMES, motion)))
     assert turned is not None
     torch.testing.assert_close(turned.hand, steps.hand, atol=2e-4, rtol=1e-3)
     assert not torch.allclose(turned.poses, steps.poses, atol=0.05)
@@ -97,8 +85,7 @@ def test_steps_stay_within_an_episode_and_in_the_frame_of_the_azimuth() -> None:
 
 def test_there_are_none_where_the_joints_are_not_recorded() -> None:
     one = wandering("panda-joint_position", 1, 0)
-    rows = vars(one) | {"joint_positions": None}
-    assert hand_steps(DemonstrationSet(**rows)) is None
+    assert hand_steps(replace(one, joint_positions=None)) is None
 
 
 def test_a_cartesian_action_is_the_hands_motion_turned() -> None:
