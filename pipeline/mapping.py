@@ -62,6 +62,7 @@ def _inputs(
     for role, tasks in known.items():
         of = skills[role]
         models += [of.vae(), *(of.prior(task) for task in tasks)]
+        models += [folder for folder in (of.jacobian(),) if folder]
         datasets += [dataset_of(of.robot, task, arm=arms.get(of.robot)) for task in tasks]
     return [*models, *rows_of(datasets)]
 

@@ -57,7 +57,9 @@ def _gather(jobs: ModelJobs, models: Path, out: Path) -> None:
         partial.mkdir()
         for vae, priors in jobs.items():
             folder = vae.spec.models
-            for model in (folder.vae, *map(folder.prior, priors.spec.tasks)):
+            made = [folder.vae, *map(folder.prior, priors.spec.tasks)]
+            made += [folder.jacobian] if folder.jacobian.is_dir() else []
+            for model in made:
                 shutil.copytree(model, partial / model.relative_to(models))
 
 

@@ -13,6 +13,7 @@ from torch import Tensor
 
 from lfr.artifacts import fingerprint
 from lfr.embodiments import embodiment, may_share_actions
+from lfr.errors import DataError
 from lfr.external import ExternalArm
 from lfr.mapping.closed_form import linear
 from lfr.mapping.hand_loss import ArmSkills, SourceTask, hand_difference, hand_loss
@@ -159,12 +160,19 @@ def fit_mapping(job: MappingJob) -> dict[str, Any]:
 def arm_skills(job: MappingJob, role: Role) -> ArmSkills | None:
     """How an arm carries out its skills, by its models; None of an external arm, whose observation
     may not say where its hand is.
+
+    Raises:
+        DataError: its actions are motions of its joints, and there is no Jacobian of its hand.
     """
     models = job.skills[role]
     if models.robot in job.arms:
         return None
-    folder = models.jacobian()
-    return ArmSkills(load_vae(models.vae()), None if folder is None else load_jacobian(folder))
+    folder, vae = models.jacobian(), load_vae(models.vae())
+    if folder is not None:
+        return ArmSkills(vae, load_jacobian(folder))
+    if actions_turn_with_base(embodiment(models.robot).action.names):
+        raise DataError("no Jacobian of the hand; train the skills again", file=models.vae().parent)
+    return ArmSkills(vae, None)
 
 
 def read_material(job: MappingJob, seed: int) -> Material:
@@ -235,6 +243,8 @@ def _suited(
     params: MappingParams, transfer: Transfer, arms: Mapping[str, ExternalArm]
 ) -> MappingParams:
     """Scenes moved as both arms' actions allow, and no shared windows of what is not known."""
+    if arms:  # whose observation may not say where the hand is
+        params = replace(params, hand=replace(params.hand, weight=0.0))
     if not all(arm.cartesian for arm in arms.values()):
         return replace(params, symmetry=AS_RECORDED, posterior_share=0.0)
     symmetry = params.symmetry
