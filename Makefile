@@ -33,7 +33,7 @@ check: setup
 # What the benchmarks compare with is no dependency of the project: it gets a folder of its own.
 # Browsing is measured on a dataset of the project's.
 bench: setup
-	dvc repro --quiet pack@panda-lift
+	dvc repro --quiet pack@panda-joint_position-lift
 	$(UV) pip install --quiet --no-deps --target .uv/benchmarks stable-baselines3==2.9.2
 	export PYTHONPATH=.uv/benchmarks; \
 	for benchmark in $(filter-out stages,$(basename $(notdir $(wildcard benchmarks/[a-z]*.py)))); do \

@@ -22,8 +22,12 @@ def results_block(results: Path = RESULTS) -> str:
         parts.insert(0, f"![Success against environment steps]({results.name}/learning.svg)")
     if (results / "report.md").is_file():
         parts.append(
-            "Percent of held-out episodes with the Wilson interval of 95 %. The whole report, with "
-            f"the chain and all revisions: [report.md]({results.name}/report.md)."
+            "Percent of held-out episodes, some with the Wilson interval of 95 %. Identity: the "
+            "source's actions carried out by the target. No generator: its skills by the target's "
+            "decoder. Linear: the best linear map in G's place. Zero-shot: by G, before any "
+            "learning on the target. Retarget: the source's motions of the hand, by both arms' "
+            "kinematic models. Oracle: the target, had it been shown the task. The whole report, "
+            f"with all revisions: [report.md]({results.name}/report.md)."
         )
     parts.append(_times(results))
     return "\n\n".join(part for part in parts if part)

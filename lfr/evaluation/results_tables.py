@@ -50,20 +50,32 @@ def summary(records: Sequence[Record], chains: Mapping[str, Record]) -> dict[str
     }
 
 
-def transfer_table(records: Sequence[Record]) -> str:
-    """Success before and after learning, one row per run."""
+WITHOUT_G, RIVALS = ("identity", "no_generator", "linear"), ("retarget", "oracle")
+"""Links of the chain that stand beside a run: in G's place, and what the run is measured by."""
+
+
+def transfer_table(records: Sequence[Record], chains: Mapping[str, Record]) -> str:
+    """Success before and after learning beside its transfer's chain, in percent, one row per run."""
     judges = list(dict.fromkeys(name for record in records for name in record["other_judges"]))
-    header = ["transfer", "method", "reward", "seed", "zero-shot %", "after RL %",
-              *(f"after RL %, {judge}" for judge in judges), "environment steps"]  # fmt: skip
+    header = ["transfer", "method", "reward", "seed", *map(_words, WITHOUT_G), "zero-shot",
+              "after RL", *(f"after RL, {judge}" for judge in judges), *map(_words, RIVALS),
+              "environment steps"]  # fmt: skip
+
+    def links(record: Record, names: Sequence[str]) -> list[str]:
+        found = chains[record["transfer"]]["zero_shot"] if record["transfer"] in chains else {}
+        return [percent(found[name]["rate"]) if name in found else "-" for name in names]
+
     rows = [
         [
             record["transfer"],
             record["method"],
             record["reward"],
             record["seed"],
+            *links(record, WITHOUT_G),
             percent(record["zero_shot"], record["zero_shot_interval"]),
             percent(record["success"], record["success_interval"]),
             *(percent(record["other_judges"][judge]) for judge in judges),
+            *links(record, RIVALS),
             record["env_steps"],
         ]
         for record in records
@@ -73,7 +85,7 @@ def transfer_table(records: Sequence[Record]) -> str:
 
 def chain_table(chains: Mapping[str, Record]) -> str:
     """Zero-shot success link by link, one row per transfer."""
-    header = ["transfer", "from", "to", *(link.replace("_", " ") for link in CHAIN)]
+    header = ["transfer", "from", "to", *map(_words, CHAIN)]
     rows = []
     for name, chain in chains.items():
         found = [chain["zero_shot"].get(link) for link in CHAIN]
@@ -116,8 +128,9 @@ def skill_table(skills: Mapping[str, Mapping[str, Any]]) -> str:
 
 def mapping_table(mappings: Mapping[str, Mapping[str, Any]]) -> str:
     """Errors of G and F on held-out states, one row per transfer and task."""
-    columns = ("regression_g", "regression_f", "cycle_x", "cycle_y", "spread_x", "spread_y")
-    header = ["transfer", "task", *(column.replace("_", " ") for column in columns), "decoded"]
+    columns = ("regression_g", "regression_f", "cycle_x", "cycle_y", "spread_x", "spread_y",
+               "hand_difference", "hand_motion")  # fmt: skip
+    header = ["transfer", "task", *map(_words, columns), "decoded"]
     rows = []
     for transfer, found in mappings.items():
         for kind in ("common", "new"):
@@ -126,6 +139,10 @@ def mapping_table(mappings: Mapping[str, Mapping[str, Any]]) -> str:
                 name = f"{task} (new)" if kind == "new" else task
                 rows.append([transfer, name, *numbers, _position(one["decoded_difference"])])
     return markdown(header, rows)
+
+
+def _words(name: str) -> str:
+    return name.replace("_", " ")
 
 
 def _position(by_dimension: Mapping[str, float]) -> str:

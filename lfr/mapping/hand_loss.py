@@ -2,8 +2,8 @@
 
     L_hand = || m_X(D_X(mu, s), s) - m_Y(D_Y(mu', s), s) ||^2,   (mu', sigma') = G(k_X, s)
 
-D decodes a skill to actions, and m says what motion of the hand, and which of the gripper, these
-are (`lfr.skills.hand_motion`). Eq. 5 ties G to the target's priors, which there are for the common
+D decodes a skill to the actions that are carried out of it, and m says what motion of the hand, and
+which of the gripper, these are (`lfr.skills.hand_motion`). Eq. 5 ties G to the target's priors, which there are for the common
 tasks alone; what a skill does to the hand is known wherever the source would choose it, in the new
 task too, of which the target has seen nothing.
 """
@@ -39,8 +39,9 @@ class ArmSkills(NamedTuple):
     vae: SkillVAE
     jacobian: HandJacobian | None
 
-    def hand_motion(self, actions: Tensor, states: Tensor) -> Tensor:
-        """(B, H, 7) of actions (B, H, A) where the hand is as in states (B, S)."""
+    def hand_motion(self, skills: Tensor, states: Tensor, steps: int) -> Tensor:
+        """(B, steps, 7) of skills (B, Z) that begin in states (B, S), as they are carried out."""
+        actions = self.vae.reconstruct(skills, states, steps).clamp(-1.0, 1.0)
         jacobian = None if self.jacobian is None else self.jacobian(states)
         return hand_motion(actions, states, jacobian)
 
@@ -60,7 +61,7 @@ class HandLoss:
         target: whose hand is compared.
         k_x: (N, 2Z), the source's skills.
         states: (N, S), the robot's part of the states in which they begin.
-        motions: (N, H, 7), how the source's hand would move.
+        motions: (N, n, 7), how the source's hand would move in the steps that are carried out.
         jacobians: (N, 6, J), of the target's hand there; None where its actions are its motions.
     """
 
@@ -81,7 +82,8 @@ class HandLoss:
         """dL/dk_y (B, 2Z) of the mean over the skills of these numbers (B,), mapped to ``k_y``."""
         states = self.states[index]
         mu = k_y.chunk(2, dim=-1)[0].detach().requires_grad_()
-        actions = self.target.vae.reconstruct(mu, states)
+        # unclipped: beyond its bounds an action has no slope that would lead it back
+        actions = self.target.vae.reconstruct(mu, states, self.motions.shape[1])
         jacobians = None if self.jacobians is None else self.jacobians[index]
         apart = hand_motion(actions, states, jacobians) - self.motions[index]
         (by_mu,) = torch.autograd.grad(apart.square().sum(-1).mean(), mu)
@@ -115,10 +117,9 @@ def hand_loss(
     where[chosen] = where[other]
     source.vae.requires_grad_(False)
     target.vae.requires_grad_(False)
-    motions, jacobians = [], []
+    motions, jacobians, steps = [], [], min(source.vae.execute, target.vae.execute)
     for k, some in zip(k_x.split(CHUNK), where.split(CHUNK), strict=True):
-        actions = source.vae.decode(k.chunk(2, dim=-1)[0], some)
-        motions.append(source.hand_motion(actions, some))
+        motions.append(source.hand_motion(k.chunk(2, dim=-1)[0], some, steps))
         if target.jacobian is not None:
             jacobians.append(target.jacobian(some))
     return HandLoss(
@@ -137,11 +138,12 @@ def hand_difference(
         hand_motion: the root-mean-square of the source's, in the same units.
     """
     apart = moved = 0.0
+    steps = min(source.vae.execute, target.vae.execute)
     for some in task.observations.split(CHUNK):
         mu, log_sigma = task.prior(some)
-        wanted = source.hand_motion(source.vae.decode(mu, some), some)
-        found = target.hand_motion(target.vae.decode(g.at(mu, log_sigma, some)[0], some), some)
+        wanted = source.hand_motion(mu, some, steps)
+        found = target.hand_motion(g.at(mu, log_sigma, some)[0], some, steps)
         apart += float((found - wanted)[..., :6].square().sum())
         moved += float(wanted[..., :6].square().sum())
-    count = len(task.observations) * source.vae.horizon * 6
+    count = len(task.observations) * steps * 6
     return {"hand_difference": (apart / count) ** 0.5, "hand_motion": (moved / count) ** 0.5}

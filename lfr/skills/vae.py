@@ -78,15 +78,18 @@ class SkillVAE(Conditioned):
         mu, log_sigma = (torch.cat(part).to(actions.device) for part in zip(*parts, strict=True))
         return mu, log_sigma
 
-    def reconstruct(self, z: Tensor, observations: Tensor | None = None) -> Tensor:
+    def reconstruct(
+        self, z: Tensor, observations: Tensor | None = None, steps: int | None = None
+    ) -> Tensor:
         """The decoder's mean action sequence, unclipped, (B, H, A): what Eq. 3 compares.
 
         Args:
             observations: (B, D), where the skills begin; needed where it sees of the state at all.
+            steps: of the H actions, the first so many alone.
         """
         z = torch.cat([z, *self._seen(observations)], dim=-1)
         hidden, cell = self.initial(z).chunk(2, dim=-1)
-        repeated = z[:, None, :].expand(-1, self.horizon, -1)  # (B, H, Z + F)
+        repeated = z[:, None, :].expand(-1, steps or self.horizon, -1)  # (B, H, Z + F)
         state = (hidden[None].contiguous(), cell[None].contiguous())
         features, _ = self.decoder(repeated.contiguous(), state)
         return self.output(features)

@@ -92,7 +92,16 @@ def test_one_record_for_each_run(results: Path) -> None:
 def test_tables_show_the_rates(results: Path) -> None:
     records = transfer_records(read_runs(["s1-panda-lift"], ["lfr"], results))
     chains = chain_records(["s1-panda-lift"], results)
-    table = tables.transfer_table(records)
+    table = tables.transfer_table(records, chains)
+    header, _, *rows = (
+        [cell.strip() for cell in line.split("|")[1:-1]] for line in table.splitlines()
+    )
+    for row in rows:
+        beside = dict(zip(header, row, strict=True))
+        for link in ("identity", "no generator", "linear", "retarget", "oracle"):
+            rate = chains["s1-panda-lift"]["zero_shot"][link.replace(" ", "_")]["rate"]
+            assert beside[link] == f"{100 * rate:.0f}"
+    assert "| -" in tables.transfer_table(records, {}).splitlines()[2]
     assert "50 (40-60)" in table
     assert "97 (92-99)" in table
     assert len(table.splitlines()) == 2 + 2

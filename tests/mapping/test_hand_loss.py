@@ -21,14 +21,14 @@ from lfr.mapping.hand_loss import (
 from lfr.mapping.mapping_params import HandLossParams, MappingParams
 from lfr.mapping.mapping_training import Pairs, train_mapping
 from lfr.skills.condition import POSE_NAMES
-from lfr.skills.hand_motion import HandJacobian
+from lfr.skills.hand_motion import HandJacobian, hand_motion
 from lfr.skills.prior import SkillPrior
 from lfr.skills.symmetry import AS_RECORDED
 from lfr.skills.vae import SkillVAE
 from lfr.spaces import ROBOT_STATE
 from lfr.tasks import task
 
-Z, H = 3, 4
+Z, H, STEPS = 3, 4, 2
 NAMES = task("lift").observation.names
 PARAMS = MappingParams(
     hidden=64, steps=800, batch=32, learning_rate=3e-3, symmetry=AS_RECORDED, state_noise=0.0,
@@ -56,7 +56,7 @@ def prior(seed: int = 0) -> SkillPrior:
 def arm(name: str, seed: int) -> ArmSkills:
     torch.manual_seed(seed)
     actions = embodiment(name).action.names
-    vae = SkillVAE(H, len(actions), Z, 8, state_names=POSE_NAMES, turned=True).eval()
+    vae = SkillVAE(H, len(actions), Z, 8, STEPS, state_names=POSE_NAMES, turned=True).eval()
     with torch.no_grad():
         vae.initial.weight *= 4.0
         vae.output.weight *= 4.0  # skills that differ in what they do
@@ -90,7 +90,9 @@ def test_its_gradient_is_autograds(target: str, conditioned: bool) -> None:
     k_y = g.translate(found.k_x[index], features)
     mu = k_y[:, :Z]
     where = found.states[index]
-    moved = arms[1].hand_motion(arms[1].vae.reconstruct(mu, where), where)
+    actions = arms[1].vae.reconstruct(mu, where)[:, :STEPS]
+    J = None if arms[1].jacobian is None else arms[1].jacobian(where)
+    moved = hand_motion(actions, where, J)
     ((moved - found.motions[index]) ** 2).sum(-1).mean().backward()
 
     pair = GeneratorPair(g, f)
@@ -135,10 +137,11 @@ def test_a_recombined_skill_is_what_the_source_would_do_there() -> None:
     assert torch.isin(moved.states[:, 0], as_said.states[:, 0]).all()
     for one in (as_said, moved):
         k = one.k_x[3:4]
-        actions = source.vae.decode(k[:, :Z], one.states[3:4])
-        torch.testing.assert_close(
-            one.motions[3:4], source.hand_motion(actions, one.states[3:4]), rtol=1e-4, atol=1e-5
-        )
+        where = one.states[3:4]
+        assert source.jacobian is not None
+        actions = source.vae.carry_out(k[:, :Z], where)
+        expected = hand_motion(actions, where, source.jacobian(where))
+        torch.testing.assert_close(one.motions[3:4], expected, rtol=1e-4, atol=1e-5)
 
 
 def test_it_is_the_mean_over_the_skills() -> None:
@@ -151,8 +154,9 @@ def test_it_is_the_mean_over_the_skills() -> None:
         total = 0.0
         for row, number in enumerate(index.tolist()):
             where = one.states[number : number + 1]
-            moved = target.hand_motion(target.vae.reconstruct(k[row : row + 1, :Z], where), where)
-            total += float(((moved - one.motions[number]) ** 2).sum()) / (2 * H)
+            actions = target.vae.reconstruct(k[row : row + 1, :Z], where)[:, :STEPS]
+            moved = hand_motion(actions, where)
+            total += float(((moved - one.motions[number]) ** 2).sum()) / (2 * STEPS)
         return total
 
     step = torch.zeros_like(k_y)
