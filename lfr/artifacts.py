@@ -200,14 +200,27 @@ def load_model(folder: Path) -> tuple[dict[str, Any], dict[str, Tensor]]:
 
 
 def provenance() -> dict[str, Any]:
-    """What made a result: the git revision, whether the sources differ from it, and versions."""
+    """What made a result: the git revision, whether the sources differ from it, versions, and the
+    processor, of which the last digits depend.
+    """
     return {
         "revision": _git("rev-parse", "HEAD"),
         "modified": bool(_git("status", "--porcelain", "--untracked-files=no", "--", *SOURCES)),
         "python": platform.python_version(),
         "platform": f"{platform.system()} {platform.machine()}",
+        "processor": _processor(),
         "packages": {name: _version(name) for name in PACKAGES},
     }
+
+
+def _processor() -> str | None:
+    """The processor's name; None where the system does not say it."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        return platform.processor() or None
+    named = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
+    return next(named, None)
 
 
 def _version(package: str) -> str | None:

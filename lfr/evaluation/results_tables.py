@@ -55,7 +55,7 @@ WITHOUT_G, RIVALS = ("identity", "no_generator", "linear"), ("retarget", "oracle
 
 
 def transfer_table(records: Sequence[Record], chains: Mapping[str, Record]) -> str:
-    """Success before and after learning beside its transfer's chain, in percent, one row per run."""
+    """Success before and after learning beside its transfer's chain, percent, one row per run."""
     judges = list(dict.fromkeys(name for record in records for name in record["other_judges"]))
     header = ["transfer", "method", "reward", "seed", *map(_words, WITHOUT_G), "zero-shot",
               "after RL", *(f"after RL, {judge}" for judge in judges), *map(_words, RIVALS),

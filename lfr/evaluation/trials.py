@@ -55,10 +55,16 @@ def success_rate(shards: Sequence[Job], done: Mapping[Job, Any]) -> dict[str, An
 
 
 def summary(outcomes: list[Outcome]) -> dict[str, Any]:
-    """Success with its Wilson interval, and control steps until success."""
+    """Success with its Wilson interval, control steps until success, and each start's outcome.
+
+    ``outcomes`` has a 1 for each success and a 0 for each failure, in the order of the starts, so
+    that policies can be compared start by start.
+    """
     lengths = [outcome.steps for outcome in outcomes if outcome.success]
     success = success_of(len(lengths), len(outcomes))
-    return {**vars(success), "steps": float(np.mean(lengths)) if lengths else None}
+    steps = float(np.mean(lengths)) if lengths else None
+    each = "".join("01"[outcome.success] for outcome in outcomes)
+    return {**vars(success), "steps": steps, "outcomes": each}
 
 
 def shards_of(trial: Trial) -> list[Trial]:

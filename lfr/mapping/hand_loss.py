@@ -3,9 +3,9 @@
     L_hand = || m_X(D_X(mu, s), s) - m_Y(D_Y(mu', s), s) ||^2,   (mu', sigma') = G(k_X, s)
 
 D decodes a skill to the actions that are carried out of it, and m says what motion of the hand, and
-which of the gripper, these are (`lfr.skills.hand_motion`). Eq. 5 ties G to the target's priors, which there are for the common
-tasks alone; what a skill does to the hand is known wherever the source would choose it, in the new
-task too, of which the target has seen nothing.
+which of the gripper, these are (`lfr.skills.hand_motion`). Eq. 5 ties G to the target's priors,
+which there are for the common tasks alone; what a skill does to the hand is known wherever the
+source would choose it, in the new task too, of which the target has seen nothing.
 """
 
 from __future__ import annotations

@@ -20,7 +20,7 @@ from lfr.mapping.hand_loss import (
 )
 from lfr.mapping.mapping_params import HandLossParams, MappingParams
 from lfr.mapping.mapping_training import Pairs, train_mapping
-from lfr.skills.condition import POSE_NAMES
+from lfr.skills.condition import GIVEN_NOTHING, POSE_NAMES, Condition
 from lfr.skills.hand_motion import HandJacobian, hand_motion
 from lfr.skills.prior import SkillPrior
 from lfr.skills.symmetry import AS_RECORDED
@@ -80,7 +80,7 @@ def test_its_gradient_is_autograds(target: str, conditioned: bool) -> None:
     )
     found = hand_loss(tasks, *arms, PARAMS, seed=0, count=40)
     torch.manual_seed(3)
-    seen = (ROBOT_STATE.names, True) if conditioned else ()
+    seen = Condition(ROBOT_STATE.names, True) if conditioned else GIVEN_NOTHING
     g, f = (Generator(Z, 8, 3, *seen) for _ in range(2))
     for one, ks in ((g, (found.k_x, 2 * found.k_x + 1)), (f, (2 * found.k_x + 1, found.k_x))):
         one.fit_scales(*ks, found.states)
