@@ -220,7 +220,7 @@ def _processor() -> str | None:
     except OSError:
         return platform.processor() or None
     named = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
-    return next(named, None)
+    return next(named, None) or platform.processor() or None
 
 
 def _version(package: str) -> str | None:

@@ -105,7 +105,7 @@ def _told(transfer: Transfer, seconds: float) -> str:
         f"{seconds:.0f} s. The picture: {FOLDER / PICTURE}",
         "Look at a demonstration:  lfr view work/demo/data/lerobot/"
         f"{transfer.source}-{transfer.task} --episode 0",
-        "With learning on the target after it, and four transfers of two arms:  make repro",
+        "With learning on the target after it, and three transfers of three arms:  make repro",
     ])  # fmt: skip
 
 

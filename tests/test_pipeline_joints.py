@@ -10,9 +10,13 @@ import pytest
 from benchmarks._datasets import Size, write_dataset
 from lfr.artifacts import read_json
 from lfr.evaluation.records import chain_records
+from lfr.hub.checks import refuse_faulty_models
+from lfr.hub.model_card import model_card
+from lfr.hub.model_facts import read_models
+from lfr.mapping.saved_generators import load_mapping_seen
 from lfr.params import read_yaml
 from lfr.program import run_stage
-from lfr.skills.saved_models import load_prior, load_seen
+from lfr.skills.saved_models import load_prior, load_seen, load_vae
 from pipeline import evaluate, mapping, skills, transfer
 from tests.tiny_project import ROOT
 
@@ -38,6 +42,9 @@ def test_a_transfer_runs_without_the_links_that_carry_the_sources_actions_over(
     name = f"j-{target}-lift"
     tiny = read_yaml(ROOT / "tests" / "tiny_params.yaml")
     sizes = {key: tiny[key] for key in ("seeds", "skills", "mapping", "transfer")}
+    sizes["skills"] |= {"jacobian": {"hidden": 8, "steps": 30, "batch": 16}}
+    sizes["skills"]["vae"] |= {"condition": "pose", "error": "hand"}
+    sizes["mapping"] |= {"condition": "state", "hand": {"weight": 100.0, "batch": 8}}
     (tmp_path / "params.yaml").write_text(
         PARAMS.format(source=source, target=target, name=name)
         + "".join(f"{key}: {value}\n" for key, value in sizes.items())
@@ -66,9 +73,21 @@ def test_a_transfer_runs_without_the_links_that_carry_the_sources_actions_over(
     seen = [load_seen(Path("models/skills") / robot / "lift+pick_place/vae")
             for robot in (source, target)]  # fmt: skip
     assert seen[0].actions != seen[1].actions
+    new = f"{source}-lift"
+    assert new in load_mapping_seen(Path("models/mapping") / name / "g").datasets
+    for kind, one in (("common", "pick_place"), ("new", "lift")):
+        assert found[kind][one]["hand_difference"] > 0.0
     for robot in (source, target):
         of = Path("models/skills") / robot / "lift+pick_place/prior-lift"
-        assert load_prior(of).turned == robot.endswith("-joint_position")
+        joints = robot.endswith("-joint_position")
+        assert load_prior(of).turned == joints
+        assert bool(load_vae(of.parent / "vae").state_names) == joints
+        assert (of.parent / "jacobian").is_dir() == joints
+        refuse_faulty_models([(part.parent, read_json(part)["kind"])
+                              for part in of.parent.glob("*/config.json")])  # fmt: skip
+        assert f"# skills-{robot}" in model_card(
+            read_models(Path("models/skills") / robot, Path("results"))
+        )
 
     capsys.readouterr()
     assert run_stage(transfer.main, [*learned[:3], "ap"]) == 2

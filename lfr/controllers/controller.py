@@ -22,6 +22,9 @@ TRANSLATION_UNIT = 0.05
 ROTATION_UNIT = 0.5
 """m and rad: a hand motion of 1. It is what OSC_POSE's action of 1 asks for in robosuite."""
 
+HAND_UNITS = np.repeat([TRANSLATION_UNIT, ROTATION_UNIT], 3)
+"""(6,), of translation above rotation."""
+
 
 @dataclass(frozen=True)
 class Configuration:

@@ -23,8 +23,7 @@ from numpy.typing import NDArray
 from lfr.compiled import compiled
 from lfr.compiled.arrays import Control, Physics, SceneArrays
 from lfr.controllers.controller import (
-    ROTATION_UNIT,
-    TRANSLATION_UNIT,
+    HAND_UNITS,
     Configuration,
     Controller,
 )
@@ -82,7 +81,7 @@ def action_of(motion: NDArray[np.float64], at: Configuration) -> NDArray[np.floa
     inverse = J.T @ np.linalg.inv(J @ J.T + DAMPING**2 * np.eye(6))
     back = RETURN * (at.rest - at.joint_position)
     back[0] = 0.0
-    wanted = motion * np.repeat([TRANSLATION_UNIT, ROTATION_UNIT], 3)
+    wanted = motion * HAND_UNITS
     delta = (inverse @ wanted + back - inverse @ (J @ back)) / at.scale
     return delta / max(1.0, float(np.abs(delta).max()))
 

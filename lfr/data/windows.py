@@ -36,7 +36,8 @@ class DemonstrationSet:
         action_space: the name of each dimension, and what -1 and 1 stand for.
         robot, task, fps: as the dataset says; the task is "" where it does not.
         seeds: of each episode, or () where the dataset does not say.
-        joint_positions: (N, J) rad, float32, before the action; None where the dataset has none.
+        joint_positions: (N, J) rad, float32, before the action; None where the dataset has none, or
+            columns of one's own are read.
     """
 
     observations: Tensor

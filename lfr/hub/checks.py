@@ -33,12 +33,13 @@ def refuse_faulty_models(models: Iterable[tuple[Path, str]]) -> None:
         DataError: a kind that nothing loads, a file that is cut off, or tensors that do not fit.
     """
     from lfr.mapping.saved_generators import load_generator
-    from lfr.skills.saved_models import load_prior, load_vae
+    from lfr.skills.saved_models import load_jacobian, load_prior, load_vae
     from lfr.transfer.model import load_policy
 
     loaders = {
         "skill_vae": load_vae,
         "skill_prior": load_prior,
+        "hand_jacobian": load_jacobian,
         "generator": load_generator,
         "transferred_policy": load_policy,
     }

@@ -16,8 +16,9 @@ from lfr.tasks import TASKS
 ABOUT = {
     "skills": "Skill VAEs and skill priors of one arm. A VAE turns a run of actions into a point "
     "of a latent space of skills and back; a prior says which skill a demonstrator would choose in "
-    "a state. Each folder is named after the tasks that its VAE has seen, for a transfer gives an "
-    "arm only what its role in it may see; transfers share them.",
+    "a state. Where actions are motions of the joints, the Jacobian of the hand is beside them, "
+    "learned from the same demonstrations. Each folder is named after the tasks that its VAE has "
+    "seen, for a transfer gives an arm only what its role in it may see; transfers share them.",
     "mapping": "Generators between the skill spaces of two arms, learned on the tasks that both "
     "know: G leads from the source's latent space to the target's, F back; `linear` is the best "
     "linear map of the same pairs, for comparison.",
@@ -28,6 +29,7 @@ ABOUT = {
 LOAD = {
     "skill_vae": ("lfr.skills.saved_models", "load_vae", "model"),
     "skill_prior": ("lfr.skills.saved_models", "load_prior", "model"),
+    "hand_jacobian": ("lfr.skills.saved_models", "load_jacobian", "model"),
     "generator": ("lfr.mapping.saved_generators", "load_generator", "model"),
     "transferred_policy": ("lfr.transfer.model", "load_policy", "actor, about"),
 }
@@ -211,7 +213,8 @@ def _rate(tally: dict[str, Any]) -> str:
 
 
 def _load(facts: ModelFacts, repo_id: str | None) -> str:
-    part = next((p for p in facts.parts if not p.place.endswith("initial")), facts.parts[0])
+    others = ("initial", "jacobian")
+    part = next((p for p in facts.parts if not p.place.endswith(others)), facts.parts[0])
     module, function, name = LOAD[part.kind]
     place = f'Path(snapshot_download("{repo_id}"))' if repo_id else f'Path("{facts.folder}")'
     inside = "" if part.place == "." else f' / "{part.place}"'

@@ -14,6 +14,7 @@ CONFIG, TENSORS = "config.json", "model.safetensors"
 STAGES = {  # kind of model -> the stage that makes it
     "skill_vae": "skills",
     "skill_prior": "skills",
+    "hand_jacobian": "skills",
     "generator": "mapping",
     "transferred_policy": "transfer",
 }

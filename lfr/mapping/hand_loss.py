@@ -10,6 +10,7 @@ source would choose it, in the new task too, of which the target has seen nothin
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -58,32 +59,31 @@ class HandLoss:
     """L_hand over a fixed set of the source's skills.
 
     Attributes:
-        target: whose hand is compared.
+        decoder: the target's, a copy.
         k_x: (N, 2Z), the source's skills.
         states: (N, S), the robot's part of the states in which they begin.
         motions: (N, n, 7), how the source's hand would move in the steps that are carried out.
         jacobians: (N, 6, J), of the target's hand there; None where its actions are its motions.
     """
 
-    target: ArmSkills
+    decoder: SkillVAE
     k_x: Tensor
     states: Tensor
     motions: Tensor
     jacobians: Tensor | None
 
     def to(self, device: torch.device) -> HandLoss:
-        """The same elsewhere; the target's networks are moved in place."""
-        self.target.vae.to(device)
+        """The same elsewhere; the decoder is moved in place."""
         jacobians = None if self.jacobians is None else self.jacobians.to(device)
         k_x, states, motions = (part.to(device) for part in (self.k_x, self.states, self.motions))
-        return HandLoss(self.target, k_x, states, motions, jacobians)
+        return HandLoss(self.decoder.to(device), k_x, states, motions, jacobians)
 
     def slope(self, index: Tensor, k_y: Tensor) -> Tensor:
         """dL/dk_y (B, 2Z) of the mean over the skills of these numbers (B,), mapped to ``k_y``."""
         states = self.states[index]
         mu = k_y.chunk(2, dim=-1)[0].detach().requires_grad_()
         # unclipped: beyond its bounds an action has no slope that would lead it back
-        actions = self.target.vae.reconstruct(mu, states, self.motions.shape[1])
+        actions = self.decoder.reconstruct(mu, states, self.motions.shape[1])
         jacobians = None if self.jacobians is None else self.jacobians[index]
         apart = hand_motion(actions, states, jacobians) - self.motions[index]
         (by_mu,) = torch.autograd.grad(apart.square().sum(-1).mean(), mu)
@@ -115,15 +115,15 @@ def hand_loss(
     chosen = torch.rand(len(k_x), generator=generator) < params.hand.recombined
     other = torch.randint(len(k_x), (int(chosen.sum()),), generator=generator)
     where[chosen] = where[other]
-    source.vae.requires_grad_(False)
-    target.vae.requires_grad_(False)
     motions, jacobians, steps = [], [], min(source.vae.execute, target.vae.execute)
     for k, some in zip(k_x.split(CHUNK), where.split(CHUNK), strict=True):
         motions.append(source.hand_motion(k.chunk(2, dim=-1)[0], some, steps))
         if target.jacobian is not None:
             jacobians.append(target.jacobian(some))
+    # cuDNN differentiates an LSTM in training mode alone; nothing else depends on the mode
+    decoder = copy.deepcopy(target.vae).requires_grad_(False).train()
     return HandLoss(
-        target, k_x, where, torch.cat(motions), torch.cat(jacobians) if jacobians else None
+        decoder, k_x, where, torch.cat(motions), torch.cat(jacobians) if jacobians else None
     )
 
 

@@ -90,6 +90,7 @@ class Material:
         new, new_training: the source's prior of the new task, and its held-out states of it, or
             those that it was trained on.
         datasets: common dataset's name -> SHA-256 of its rows.
+        new_dataset: the same of the source's of the new task.
         action_names: of each dimension, if both arms' actions are the same things.
     """
 
@@ -99,6 +100,7 @@ class Material:
     new: SourceTask
     new_training: SourceTask
     datasets: dict[str, str]
+    new_dataset: dict[str, str]
     action_names: tuple[str, ...] | None
 
 
@@ -115,15 +117,18 @@ def fit_mapping(job: MappingJob) -> dict[str, Any]:
     pairs = drawn_pairs(tasks, vaes, known.windows, job.params, seed)
     condition = condition_of(tasks, job.params)
     skills = arm_skills(job, "source"), arm_skills(job, "target")
-    compared = None
+    compared, datasets = None, known.datasets
     if job.params.hand.weight and skills[0] and skills[1]:
         asked = [SourceTask(one.prior_x, one.observations) for one in tasks]
         asked.append(known.new_training)
-        compared = hand_loss(asked, skills[0], skills[1], job.params, seed)
+        compared, datasets = (
+            hand_loss(asked, skills[0], skills[1], job.params, seed),
+            datasets | known.new_dataset,
+        )
     g, f = train_mapping(pairs, job.params, seed, condition, compared)
     seen = MappingSeen(
         transfer.name, transfer.source, transfer.target, (arms[0].name, arms[1].name),
-        transfer.common, known.datasets, seed,
+        transfer.common, datasets, seed,
     )  # fmt: skip
     save_generator(Path(job.folder) / "g", g, seen)
     save_generator(Path(job.folder) / "f", f, seen)
@@ -158,11 +163,11 @@ def fit_mapping(job: MappingJob) -> dict[str, Any]:
 
 
 def arm_skills(job: MappingJob, role: Role) -> ArmSkills | None:
-    """How an arm carries out its skills, by its models; None of an external arm, whose observation
-    may not say where its hand is.
+    """How an arm carries out its skills, by its models; None where it is not known what these do to
+    its hand: of an external arm, whose observation may not say where that is.
 
     Raises:
-        DataError: its actions are motions of its joints, and there is no Jacobian of its hand.
+        DataError: L_hand is asked for, and models of joint motions have no Jacobian beside them.
     """
     models = job.skills[role]
     if models.robot in job.arms:
@@ -170,9 +175,11 @@ def arm_skills(job: MappingJob, role: Role) -> ArmSkills | None:
     folder, vae = models.jacobian(), load_vae(models.vae())
     if folder is not None:
         return ArmSkills(vae, load_jacobian(folder))
-    if actions_turn_with_base(embodiment(models.robot).action.names):
+    if not actions_turn_with_base(embodiment(models.robot).action.names):
+        return ArmSkills(vae, None)
+    if job.params.hand.weight:
         raise DataError("no Jacobian of the hand; train the skills again", file=models.vae().parent)
-    return ArmSkills(vae, None)
+    return None
 
 
 def read_material(job: MappingJob, seed: int) -> Material:
@@ -206,6 +213,7 @@ def read_material(job: MappingJob, seed: int) -> Material:
         new=SourceTask(prior, new.held_out_states),
         new_training=SourceTask(prior, new.training_states),
         datasets={one.dataset: one.digest for one in learned},
+        new_dataset={new.dataset: new.digest},
         action_names=action_names,
     )
 
@@ -244,7 +252,7 @@ def _suited(
 ) -> MappingParams:
     """Scenes moved as both arms' actions allow, and no shared windows of what is not known."""
     if arms:  # whose observation may not say where the hand is
-        params = replace(params, hand=replace(params.hand, weight=0.0))
+        params = replace(params, condition="none", hand=replace(params.hand, weight=0.0))
     if not all(arm.cartesian for arm in arms.values()):
         return replace(params, symmetry=AS_RECORDED, posterior_share=0.0)
     symmetry = params.symmetry

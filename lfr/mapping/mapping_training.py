@@ -77,7 +77,7 @@ def condition_of(tasks: Sequence[CommonTask], params: MappingParams) -> Conditio
         ParameterError: the hand's state is to be seen, and a task's layout does not begin with it.
     """
     if params.condition == "none":
-        return Condition()
+        return GIVEN_NOTHING
     names = ROBOT_STATE.names
     for task in tasks:
         if task.prior_x.layout_names[: len(names)] != names:
@@ -176,7 +176,7 @@ def drawn_pairs(
     if params.condition == "none":
         return Pairs(k_x, k_y)
     states = torch.cat([pair.states for pair in pairs if pair.states is not None])
-    if missing := len(k_x) - len(states):  # a window is the same in any state
+    if missing := len(k_x) - len(states):  # windows of which it is not said where they begin
         drawn = torch.randint(len(states), (missing,), generator=generator)
         states = torch.cat([states, states[drawn]])
     return Pairs(k_x, k_y, states)
@@ -202,4 +202,4 @@ def _posteriors(
     actions = augment(windows.actions[index], windows.names, generator)
     states = None if windows.states is None else windows.states[index]
     k_x, k_y = (torch.cat(encoder.encode_all(actions, states), dim=-1) for encoder in encoders)
-    return Pairs(k_x, k_y)
+    return Pairs(k_x, k_y, states)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from lfr.controllers.controller import ROTATION_UNIT, TRANSLATION_UNIT, Configuration
+from lfr.controllers.controller import HAND_UNITS, Configuration
 from lfr.embodiments import Embodiment, embodiment
 from lfr.policies import Array
 from lfr.skills.saved_models import load_prior, load_seen, load_vae
@@ -22,8 +22,6 @@ from lfr.spaces import ROBOT_STATE
 
 if TYPE_CHECKING:
     from lfr.sim.kinematics import Kinematics
-
-_UNITS = np.repeat([TRANSLATION_UNIT, ROTATION_UNIT], 3)
 
 
 class Arm(Protocol):
@@ -74,7 +72,7 @@ class RetargetPolicy:
         rotation = np.stack([x, y, np.cross(x, y)], axis=1)
         self._joints = self.source.reach(position, rotation, self._joints)
         there = self.source.at(self._joints)
-        return there.jacobian @ (there.scale * action[:-1]) / _UNITS
+        return there.jacobian @ (there.scale * action[:-1]) / HAND_UNITS
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,8 @@ class MappingSeen:
         skills: of either arm's skill models, ``<robot>/<tasks>`` (`lfr.skills.library`): whose
             latent spaces these are.
         tasks: the common tasks.
-        datasets: dataset name -> SHA-256 of its rows, of both arms.
+        datasets: dataset name -> SHA-256 of its rows, of both arms; with L_hand of the source's new
+            task too.
         seed: of the training.
     """
 

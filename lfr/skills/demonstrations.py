@@ -40,8 +40,8 @@ class Demonstrations:
         actions: the names of the action's dimensions, and what -1 and 1 stand for.
         training, held_out: windows of different episodes.
         training_states, held_out_states: (N, D), every state of these episodes.
-        training_steps, held_out_steps: how joints and hand moved in these episodes, where actions
-            are motions of the joints; else None.
+        training_motions, held_out_motions: how joints and hand moved in these episodes, where
+            actions are motions of the joints; else None.
     """
 
     dataset: str
@@ -52,8 +52,8 @@ class Demonstrations:
     held_out: WindowBatch
     training_states: Tensor
     held_out_states: Tensor
-    training_steps: HandSteps | None = None
-    held_out_steps: HandSteps | None = None
+    training_motions: HandSteps | None = None
+    held_out_motions: HandSteps | None = None
 
 
 def read_visible(
@@ -134,7 +134,7 @@ def read_demonstrations(
             found=f"{int(found.lengths.max())} frames", expected=f"{horizon} or more",
         )  # fmt: skip
     joints = arm is None and actions_turn_with_base(found.action_space.names)
-    steps = [hand_steps(part) if joints else None for part in (training, kept)]
+    motions = [hand_steps(part) if joints else None for part in (training, kept)]
     return Demonstrations(
         dataset=path.name,
         digest=file_hash(path / "data"),
@@ -144,8 +144,8 @@ def read_demonstrations(
         held_out=windows[1],
         training_states=training.observations,
         held_out_states=kept.observations,
-        training_steps=steps[0],
-        held_out_steps=steps[1],
+        training_motions=motions[0],
+        held_out_motions=motions[1],
     )
 
 

@@ -16,16 +16,18 @@ from typing import NamedTuple
 import torch
 from torch import Tensor, nn
 
-from lfr.controllers.controller import ROTATION_UNIT, TRANSLATION_UNIT
+from lfr.controllers.controller import HAND_UNITS
 from lfr.data.windows import DemonstrationSet
 from lfr.networks.optimizer import FlatAdam, annealed, clip_norm, flatten_parameters, trainable
 from lfr.skills.condition import POSE_NAMES, Conditioned
+from lfr.skills.normalizer import azimuth
+from lfr.skills.rows import thinned
 
 MOST_NORM = 100.0  # of the gradient
-FINEST = 0.1
-"""Hand motions that count as one in the loss, in their units: a control step moves the hand so."""
+TYPICAL = 0.1
+"""Motion of a hand in a control step, in its units: what counts as 1 in the loss."""
 
-_UNITS = torch.tensor([TRANSLATION_UNIT] * 3 + [ROTATION_UNIT] * 3)
+_UNITS = torch.tensor(HAND_UNITS, dtype=torch.float32)
 
 
 @dataclass(frozen=True)
@@ -45,7 +47,7 @@ class HandSteps(NamedTuple):
         poses: (N, 9), where the hand was (`POSE_NAMES`).
         joints: (N, J) rad, by how much each joint moved.
         hand: (N, 6), by how much the hand moved: translation above rotation vector, in units of
-            `TRANSLATION_UNIT` and `ROTATION_UNIT`, in the frame of the hand's azimuth.
+            `HAND_UNITS`, in the frame of the hand's azimuth.
     """
 
     poses: Tensor
@@ -56,7 +58,7 @@ class HandSteps(NamedTuple):
 class HandJacobian(Conditioned):
     """The motion of the hand by each action of 1, (B, 6, J), where observations (B, D) have it.
 
-    In units of `TRANSLATION_UNIT` and `ROTATION_UNIT`, in the frame of the hand's azimuth: there an
+    In units of `HAND_UNITS`, in the frame of the hand's azimuth: there an
     arm whose first joint is vertical has the same Jacobian whichever way it is turned.
 
     Attributes:
@@ -84,13 +86,13 @@ class HandJacobian(Conditioned):
 
 
 def hand_steps(demonstrations: DemonstrationSet) -> HandSteps | None:
-    """The steps of all episodes; None where the joints are not recorded."""
+    """The steps of all episodes, thinned; None where the joints are not recorded."""
     joints, observations = demonstrations.joint_positions, demonstrations.observations
     if joints is None:
         return None
     within = torch.ones(len(demonstrations), dtype=torch.bool)
     within[demonstrations.starts[1:] - 1] = False  # the last row of an episode
-    before = within.nonzero()[:, 0]
+    before = thinned(within.nonzero()[:, 0])
     poses, after = observations[before, : len(POSE_NAMES)], observations[before + 1]
     turned = _rotations(after) @ _rotations(poses).mT
     hand = torch.cat(
@@ -121,7 +123,7 @@ def train_jacobian(
         drawn = torch.randint(len(features), (params.batch,), generator=generator)
         found = jacobian.network(features[drawn]).unflatten(-1, (6, jacobian.joints))
         moved = (found @ steps.joints[drawn, :, None])[..., 0]
-        loss = ((moved - steps.hand[drawn]) / FINEST).square().sum(-1).mean()
+        loss = ((moved - steps.hand[drawn]) / TYPICAL).square().sum(-1).mean()
         gradient = torch.cat([g.reshape(-1) for g in torch.autograd.grad(loss, weights)])
         adam.lr = annealed(params.learning_rate, step, params.steps)
         adam.descend(clip_norm(gradient, MOST_NORM))
@@ -131,7 +133,7 @@ def train_jacobian(
 def hand_motion(actions: Tensor, observations: Tensor, jacobian: Tensor | None = None) -> Tensor:
     """What actions (B, H, A) ask of hand and gripper, (B, H, 7).
 
-    Translation, rotation and gripper, in units of `TRANSLATION_UNIT` and `ROTATION_UNIT` and in the
+    Translation, rotation and gripper, in units of `HAND_UNITS` and in the
     frame of the hand's azimuth, where observations (B, D) have the hand.
 
     Args:
@@ -170,6 +172,5 @@ def _rotation_vectors(rotations: Tensor) -> Tensor:
 def _at_azimuth(vectors: Tensor, poses: Tensor) -> Tensor:
     """Vectors (..., 3) of the base frame in the frame of the azimuth of hands at poses (..., D)."""
     x, y, z = vectors.unbind(-1)
-    distance = torch.linalg.vector_norm(poses[..., :2], dim=-1, keepdim=True)
-    cos, sin = (poses[..., :2] / distance).unbind(-1)
+    cos, sin = azimuth(poses).unbind(-1)
     return torch.stack([cos * x + sin * y, cos * y - sin * x, z], dim=-1)

@@ -94,7 +94,8 @@ def model_report(jobs: ModelJobs, done: Mapping[Job, Any]) -> dict[str, dict[str
     """What `model_jobs` gave, by the names of the tasks seen (`lfr.skills.library.tasks_name`).
 
     The tasks, and on held-out episodes the VAE's reconstruction error per action dimension, the
-    divergence of its posterior to N(0, I), and of the posterior to each prior.
+    divergence of its posterior to N(0, I), and of the posterior to each prior; of joint motions the
+    Jacobian's error, too.
     """
     return {
         tasks_name(vae.spec.tasks): {**done[vae], "prior": done[priors]}
@@ -112,13 +113,16 @@ def fit_vae(spec: VAETraining) -> dict[str, Any]:
     jacobian, report = _fit_jacobian(spec, demonstrations, seed)
     if jacobian is not None:
         save_jacobian(spec.models.jacobian, jacobian, seen)
-    poses = {
-        task: known.training.observations[:, : len(POSE_NAMES)]
-        for task, known in demonstrations.items()
-    }
+    poses = None
+    if jacobian is not None:
+        begins = {
+            task: known.training.observations[:, : len(POSE_NAMES)]
+            for task, known in demonstrations.items()
+        }
+        poses = balanced(begins, seed)
     vae = train_vae(
         balanced(windows, seed), names, spec.params.vae, seed, device_named(spec.params.device),
-        balanced(poses, seed), vae_condition(spec.params.vae, names),
+        poses, vae_condition(spec.params.vae, names),
         jacobian if spec.params.vae.error == "hand" else None,
     )  # fmt: skip
     save_vae(spec.models.vae, vae, seen)
@@ -134,16 +138,16 @@ def _fit_jacobian(
     spec: VAETraining, demonstrations: Mapping[str, Demonstrations], seed: int
 ) -> tuple[HandJacobian | None, dict[str, Any]]:
     """The hand's Jacobian, of an arm whose actions are motions of its joints, and its report."""
-    steps = [one.training_steps for one in demonstrations.values() if one.training_steps]
+    steps = [one.training_motions for one in demonstrations.values() if one.training_motions]
     if not steps:
         return None, {}
     together = HandSteps(*(torch.cat(part) for part in zip(*steps, strict=True)))
     scale = embodiment(spec.robot).action_scale
     jacobian = train_jacobian(together, scale, spec.params.jacobian, seed)
     errors = {
-        task: jacobian_error(jacobian, known.held_out_steps)
+        task: jacobian_error(jacobian, known.held_out_motions)
         for task, known in demonstrations.items()
-        if known.held_out_steps
+        if known.held_out_motions is not None and len(known.held_out_motions.poses)
     }
     return jacobian, {"jacobian": errors}
 
@@ -177,10 +181,12 @@ def _material(spec: VAETraining, task: str) -> PriorMaterial:
 
 
 def vae_condition(params: VAEParams, action_names: Sequence[str]) -> Condition:
-    """What a VAE of actions called ``action_names`` sees of the state."""
-    if params.condition == "none":
+    """What a VAE of actions called ``action_names`` sees of the state: nothing of the hand's own
+    motions, which are the same wherever it is.
+    """
+    if params.condition == "none" or not actions_turn_with_base(action_names):
         return GIVEN_NOTHING
-    return Condition(POSE_NAMES, actions_turn_with_base(action_names))
+    return Condition(POSE_NAMES, turned=True)
 
 
 @torch.no_grad()

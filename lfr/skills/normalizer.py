@@ -19,6 +19,12 @@ FINE_SCALE = 0.01
 TILT_SCALE = 0.1
 
 
+def azimuth(positions: Tensor) -> Tensor:
+    """Cosine and sine (..., 2) of the azimuth of positions (..., 3 or more) in the base frame."""
+    horizontal = positions[..., :2]
+    return horizontal / torch.linalg.vector_norm(horizontal, dim=-1, keepdim=True).clamp_min(1e-6)
+
+
 class Normalizer(nn.Module):
     """What a prior sees of observations (B, D): (B, D + F + 2 R), F of them distances, R rotations.
 
@@ -66,8 +72,7 @@ class Normalizer(nn.Module):
         """The observations (B, D), in the frame of the hand's azimuth where that is asked for."""
         if not self.turned:
             return observations
-        hand = observations[:, self.hand : self.hand + 2]
-        cos, sin = (hand / torch.linalg.vector_norm(hand, dim=1, keepdim=True).clamp_min(1e-6)).T
+        cos, sin = azimuth(observations[:, self.hand :]).T
         of_x, of_y = self.turning.T
         x, y = observations[:, of_x], observations[:, of_y]
         turned = observations.clone()

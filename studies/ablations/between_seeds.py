@@ -19,6 +19,7 @@ from lfr.skills.prior import SkillPrior
 from lfr.skills.rows import thinned
 from lfr.skills.saved_models import load_prior, load_vae
 from lfr.skills.vae import SkillVAE
+from lfr.spaces import ROBOT_STATE
 
 
 def material_between(
@@ -51,7 +52,11 @@ def material_between(
 
     windows = {task: thinned(known[task].training.actions) for task in transfer.common}
     new = known[transfer.task]
-    shared = ActionWindows(balanced(windows, seed), new.actions.names)
+    states = {
+        task: thinned(known[task].training.observations[:, : ROBOT_STATE.size])
+        for task in transfer.common
+    }
+    shared = ActionWindows(balanced(windows, seed), new.actions.names, balanced(states, seed))
     prior = load_prior(arms[0].prior(transfer.task), new.names)
     material = Material(
         training=common({task: known[task].training_states for task in transfer.common}),
@@ -60,6 +65,7 @@ def material_between(
         new=SourceTask(prior, new.held_out_states),
         new_training=SourceTask(prior, new.training_states),
         datasets={known[task].dataset: known[task].digest for task in transfer.common},
+        new_dataset={new.dataset: new.digest},
         action_names=new.actions.names,
     )
     return material, vaes

@@ -30,7 +30,8 @@ skills:
   vae: {horizon: 5, execute: 3, latent_dim: 6, hidden: 32, steps: 800, batch: 64}
   prior: {hidden: 64, layers: 3, steps: 800, batch: 64}
   held_out: 0.25
-mapping: {hidden: 64, steps: 1500, batch: 64, posterior_share: 0.25}
+mapping:
+  {hidden: 64, steps: 1500, batch: 64, posterior_share: 0.25, condition: state, hand: {weight: 9}}
 """
 
 

@@ -8,11 +8,9 @@ from functools import partial
 import pytest
 import torch
 
-from lfr.embodiments import embodiment
 from lfr.mapping.generator import Generator
 from lfr.mapping.generator_pair import GeneratorPair
 from lfr.mapping.hand_loss import (
-    ArmSkills,
     HandLoss,
     SourceTask,
     hand_difference,
@@ -20,54 +18,18 @@ from lfr.mapping.hand_loss import (
 )
 from lfr.mapping.mapping_params import HandLossParams, MappingParams
 from lfr.mapping.mapping_training import Pairs, train_mapping
-from lfr.skills.condition import GIVEN_NOTHING, POSE_NAMES, Condition
-from lfr.skills.hand_motion import HandJacobian, hand_motion
-from lfr.skills.prior import SkillPrior
+from lfr.skills.condition import GIVEN_NOTHING, Condition
+from lfr.skills.hand_motion import hand_motion
 from lfr.skills.symmetry import AS_RECORDED
-from lfr.skills.vae import SkillVAE
 from lfr.spaces import ROBOT_STATE
-from lfr.tasks import task
 
-Z, H, STEPS = 3, 4, 2
-NAMES = task("lift").observation.names
+from .made_up import STEPS, Z, arm, prior, states
+
 PARAMS = MappingParams(
     hidden=64, steps=800, batch=32, learning_rate=3e-3, symmetry=AS_RECORDED, state_noise=0.0,
     hand=HandLossParams(weight=30.0, batch=32, recombined=0.0),
 )  # fmt: skip
 ARMS = ("panda-joint_position", "ur5e-joint_position", "sawyer")
-
-
-def states(count: int, seed: int = 0) -> torch.Tensor:
-    generator = torch.Generator().manual_seed(seed)
-    seen = 0.3 * torch.randn(count, len(NAMES), generator=generator)
-    seen[:, 0] += 1.0  # in front of the base
-    return seen
-
-
-def prior(seed: int = 0) -> SkillPrior:
-    torch.manual_seed(seed)
-    made = SkillPrior(NAMES, Z, hidden=16, layers=2)
-    made.normalizer.fit(states(200), NAMES)
-    with torch.no_grad():
-        made.network[-1].weight[:Z] *= 6.0  # type: ignore[index,operator]  # means that differ
-    return made.eval()
-
-
-def arm(name: str, seed: int) -> ArmSkills:
-    torch.manual_seed(seed)
-    actions = embodiment(name).action.names
-    vae = SkillVAE(H, len(actions), Z, 8, STEPS, state_names=POSE_NAMES, turned=True).eval()
-    with torch.no_grad():
-        vae.initial.weight *= 4.0
-        vae.output.weight *= 4.0  # skills that differ in what they do
-    assert vae.normalizer is not None
-    vae.normalizer.fit(states(200)[:, :9], POSE_NAMES)
-    if not name.endswith("joint_position"):
-        return ArmSkills(vae, None)
-    jacobian = HandJacobian(len(actions) - 1, 8).eval()
-    assert jacobian.normalizer is not None
-    jacobian.normalizer.fit(states(200)[:, :9], POSE_NAMES)
-    return ArmSkills(vae, jacobian)
 
 
 @pytest.mark.parametrize("target", ARMS)

@@ -187,6 +187,11 @@ def test_the_state_is_that_of_the_pair_and_windows_have_any() -> None:
     for state, k_x in zip(pairs.states[:32], pairs.k_x[:32], strict=True):  # the priors' own
         at = int((seen[:, : ROBOT_STATE.size] == state).all(1).nonzero()[0])
         torch.testing.assert_close(k_x, torch.cat(made[0](seen[at : at + 1]), -1)[0])
+    begun = windows._replace(states=torch.rand(5, ROBOT_STATE.size))
+    pairs = drawn_pairs([common], vaes, begun, params, seed=0, count=64)
+    assert pairs.states is not None
+    rows = {tuple(row) for row in begun.states.tolist()}
+    assert {tuple(row) for row in pairs.states[32:].tolist()} <= rows
     assert condition_of([common], params) == Condition(ROBOT_STATE.names, turned=True)
     assert condition_of([common], PARAMS) == GIVEN_NOTHING
     made = [SkillPrior(layout[1:], Z, 8, 1) for _ in range(2)]

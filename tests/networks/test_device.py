@@ -9,16 +9,20 @@ from torch import Tensor, nn
 
 from lfr.embodiments import embodiment
 from lfr.errors import ParameterError
-from lfr.mapping.mapping_params import MappingParams
+from lfr.mapping.hand_loss import SourceTask, hand_loss
+from lfr.mapping.mapping_params import HandLossParams, MappingParams
 from lfr.mapping.mapping_training import Pairs, train_mapping
 from lfr.networks.device import CPU, DeviceName, device_named
+from lfr.skills.condition import Condition
 from lfr.skills.skill_params import PriorParams, VAEParams
 from lfr.skills.skill_training import PriorMaterial, train_priors, train_vae
 from lfr.skills.symmetry import SymmetryParams
 from lfr.skills.vae import SkillVAE
+from lfr.spaces import ROBOT_STATE
 from lfr.tasks import task
 from lfr.transfer.loop import TransferLoop
 
+from ..mapping.made_up import arm, prior, states
 from ..transfer.point import PointSimulation, lfr_initialization, point_models, point_params
 
 OSC = embodiment("panda").action.names
@@ -84,6 +88,23 @@ def test_a_mapping_is_that_of_the_processor() -> None:
         train_mapping(pairs, MappingParams(steps=12, hidden=32, batch=64, device=name), 5)
         for name in NAMES
     ]
+    for one, other in zip(*found, strict=True):
+        alike(one, other)
+
+
+@needs_cuda
+def test_a_mapping_held_to_the_hand_is_that_of_the_processor() -> None:
+    arms = [arm(name, seed) for seed, name in enumerate(("panda-joint_position", "sawyer"))]
+    tasks = [SourceTask(prior(), states(200))]
+    found = []
+    for name in NAMES:
+        hand = HandLossParams(weight=30.0, batch=16)
+        params = MappingParams(steps=12, hidden=32, batch=64, device=name, hand=hand)
+        compared = hand_loss(tasks, *arms, params, seed=0, count=200)
+        pairs = Pairs(compared.k_x, compared.k_x.flip(0), compared.states)
+        condition = Condition(ROBOT_STATE.names, turned=True)
+        found.append(train_mapping(pairs, params, 5, condition, compared))
+        assert next(arms[1].vae.parameters()).device.type == "cpu"
     for one, other in zip(*found, strict=True):
         alike(one, other)
 
