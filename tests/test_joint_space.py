@@ -48,40 +48,37 @@ def test_the_first_link(line: Row) -> None:
     assert line["success"] == percent(found)
 
 
-@pytest.mark.parametrize("line", table("mapping"), ids=lambda line: " ".join(line.values()))
-def test_the_mapping(line: Row) -> None:
+MAPS = {
+    "linear": {"map": "linear"},
+    "Eq. 4 alone": {"map": "network", "hand_weight": "0.0", "sees": "k,s"},
+    "with L_hand": {"sees": "k,s", "new_task": "1", "recombined": "0.5"},
+    "G(k)": {"sees": "k", "new_task": "1", "recombined": "0.5"},
+    "without the new task": {"sees": "k,s", "new_task": "0", "recombined": "0.5"},
+    "not recombined": {"sees": "k,s", "new_task": "1", "recombined": "0.0"},
+    "retarget": {"map": "retarget"},
+    "oracle": {"map": "oracle"},
+}
+"""What a column of the table of L_hand is of; without a weight, that of the main job."""
+
+
+@pytest.mark.parametrize("line", table("hand loss"), ids=lambda line: " ".join(line.values()))
+def test_what_l_hand_brings(line: Row) -> None:
     ends = {key: line[key] for key in ("source", "target", "task")}
-    links = [
-        row for row in rows("links")
-        if ends.items() <= row.items() and row["vae_sees_joints_and_loss_at_hand"] == "0"
-    ]  # fmt: skip
-    for link in ("own arm", "oracle"):
-        assert line[link] == percent(links, link.replace(" ", "_"))
-    untranslated = [row for row in links if row["no_generator"]]
-    assert line["no generator"] == percent(untranslated, "no_generator")
-    plain = {"vae_sees_joints": "0", "recombined": "0.0", "averaged": "1"} | ends
-    known = [row for row in rows("mapping") if plain.items() <= row.items()]
-    maps = {"linear in k": ("linear", "k"), "linear in (k, s)": ("linear", "k,s"),
-            "G(k)": ("network", "k"), "G(k, s)": ("network", "k,s")}  # fmt: skip
-    for name, (kind, sees) in maps.items():
-        found = [row for row in known if (row["map"], row["sees"]) == (kind, sees)]
-        assert line[name] == percent(found), name
-
-
-@pytest.mark.parametrize("line", table("chain"), ids=lambda line: " ".join(line.values()))
-def test_the_chain(line: Row) -> None:
-    ends = {key: line[key] for key in ("source", "target", "task", "demonstrations")}
-    for link in ("identity", "no_generator", "linear", "mapped", "retarget", "after_learning"):
-        found = [row for row in rows("chain") if (ends | {"link": link}).items() <= row.items()]
-        if link != "retarget":  # of the pipeline's starts, not of the 40 others
-            found = [row for row in found if row["starts"] == "100"]
-        assert line[link.replace("_", " ")] == percent(found), link
+    for column, of in MAPS.items():
+        wanted = ends | of
+        if "sees" in of and "hand_weight" not in of:
+            wanted |= {"map": "network", "hand_weight": "1000.0"}
+        found = [row for row in rows("hand_loss") if wanted.items() <= row.items()]
+        assert found, column
+        assert line[column] == percent(found), column
 
 
 @pytest.mark.parametrize("line", table("own arm"), ids=lambda line: " ".join(line.values()))
 def test_own_arm(line: Row) -> None:
+    seen = {"no": "0", "yes": "1"}[line["pose and hand"]]
     for task in ("lift", "stack", "pick_place", "nut_assembly"):
-        of = {"arm": line["arm"], "demonstrations": line["demonstrations"], "task": task}
+        of = {"arm": line["arm"], "demonstrations": line["demonstrations"], "task": task,
+              "vae_sees_pose": seen, "error_at_hand": seen}  # fmt: skip
         assert line[task] == percent([row for row in rows("own_arm") if of.items() <= row.items()])
 
 
