@@ -74,9 +74,11 @@ class HandLoss:
 
     def to(self, device: torch.device) -> HandLoss:
         """The same elsewhere; the decoder is moved in place."""
+        # cuDNN differentiates an LSTM in training mode alone; nothing but rounding depends on it
+        self.decoder.to(device).train(device.type == "cuda")
         jacobians = None if self.jacobians is None else self.jacobians.to(device)
         k_x, states, motions = (part.to(device) for part in (self.k_x, self.states, self.motions))
-        return HandLoss(self.decoder.to(device), k_x, states, motions, jacobians)
+        return HandLoss(self.decoder, k_x, states, motions, jacobians)
 
     def slope(self, index: Tensor, k_y: Tensor) -> Tensor:
         """dL/dk_y (B, 2Z) of the mean over the skills of these numbers (B,), mapped to ``k_y``."""
@@ -120,8 +122,7 @@ def hand_loss(
         motions.append(source.hand_motion(k.chunk(2, dim=-1)[0], some, steps))
         if target.jacobian is not None:
             jacobians.append(target.jacobian(some))
-    # cuDNN differentiates an LSTM in training mode alone; nothing else depends on the mode
-    decoder = copy.deepcopy(target.vae).requires_grad_(False).train()
+    decoder = copy.deepcopy(target.vae).requires_grad_(False)
     return HandLoss(
         decoder, k_x, where, torch.cat(motions), torch.cat(jacobians) if jacobians else None
     )
