@@ -40,6 +40,10 @@ class ArmSkills(NamedTuple):
     vae: SkillVAE
     jacobian: HandJacobian | None
 
+    def frozen(self) -> ArmSkills:
+        """With a copy of the VAE that learns nothing."""
+        return ArmSkills(copy.deepcopy(self.vae).requires_grad_(False), self.jacobian)
+
     def hand_motion(self, skills: Tensor, states: Tensor, steps: int) -> Tensor:
         """(B, steps, 7) of skills (B, Z) that begin in states (B, S), as they are carried out."""
         actions = self.vae.reconstruct(skills, states, steps).clamp(-1.0, 1.0)
@@ -106,6 +110,7 @@ def hand_loss(
     A share of them, ``params.hand.recombined``, begins in another skill's state: what the source
     would do there it has not said, but what its actions would be there is known.
     """
+    source, target = source.frozen(), target.frozen()
     generator = torch.Generator().manual_seed(seed)
     skills, states = [], []
     for task in tasks:
@@ -122,9 +127,8 @@ def hand_loss(
         motions.append(source.hand_motion(k.chunk(2, dim=-1)[0], some, steps))
         if target.jacobian is not None:
             jacobians.append(target.jacobian(some))
-    decoder = copy.deepcopy(target.vae).requires_grad_(False)
     return HandLoss(
-        decoder, k_x, where, torch.cat(motions), torch.cat(jacobians) if jacobians else None
+        target.vae, k_x, where, torch.cat(motions), torch.cat(jacobians) if jacobians else None
     )
 
 
