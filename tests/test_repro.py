@@ -43,4 +43,8 @@ def test_a_stage_that_dvc_has_in_its_cache_is_done() -> None:
 
 
 def test_stages_are_dvcs() -> None:
-    assert {"skills@panda", "transfer@s1-panda-lift-lfr", "report"} <= set(stages())
+    assert {
+        "skills@panda-joint_position",
+        "transfer@s3-ur5e-joint_position-stack-lfr",
+        "report",
+    } <= set(stages())

@@ -17,15 +17,15 @@ class VAEParams:
 
     horizon: int = 10  # H, control steps of a skill
     execute: int = 5  # of them carried out before the next skill is chosen; the paper's is H
-    latent_dim: int = 16  # Z; the paper's is 10
+    latent_dim: int = 32  # Z; the paper's is 10
     hidden: int = 128  # LSTM units
-    alpha: float = 1e-4  # weight of the divergence in Eq. 3
+    alpha: float = 1e-5  # weight of the divergence in Eq. 3
     steps: int = 3000
     batch: int = 64
     learning_rate: float = 8e-3
     augment: float = 0.5  # share of each batch whose windows are turned, scaled, recombined
-    condition: Literal["none", "pose"] = "none"  # what q(z|a) and p(a|z) see: the hand's pose
-    error: Literal["actions", "hand"] = "actions"  # where Eq. 2 measures it; of joint motions at
+    condition: Literal["none", "pose"] = "pose"  # what q(z|a) and p(a|z) see: the hand's pose
+    error: Literal["actions", "hand"] = "hand"  # where Eq. 2 measures it; of joint motions at
     # the hand too, by the Jacobian of the arm's own demonstrations
 
     def __post_init__(self) -> None:
@@ -53,8 +53,8 @@ class PriorParams:
 
 @dataclass(frozen=True)
 class SkillsParams:
-    jacobian: JacobianParams = field(default_factory=JacobianParams)
     vae: VAEParams = field(default_factory=VAEParams)
     prior: PriorParams = field(default_factory=PriorParams)
     held_out: float = 0.1  # share of each dataset's episodes kept for the report
     device: DeviceName = "cpu"
+    jacobian: JacobianParams = field(default_factory=JacobianParams)

@@ -39,6 +39,7 @@ from lfr.tasks import task
 Z = 3
 NAMES = task("lift").observation.names
 PARAMS = MappingParams(
+    condition="none",
     hidden=64,
     steps=600,
     batch=64,

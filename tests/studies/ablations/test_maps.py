@@ -11,6 +11,7 @@ from torch import Tensor, nn
 
 from lfr.embodiments import embodiment
 from lfr.mapping.generator import Generator
+from lfr.mapping.hand_loss import SourceTask
 from lfr.mapping.mapping_jobs import Material, mapping_job
 from lfr.mapping.mapping_training import (
     ActionWindows,
@@ -32,6 +33,7 @@ from studies.ablations.maps import MapJob, fitted, map_jobs, map_report, shuffle
 Z = 3
 NAMES = task("lift").observation.names
 STILL = MappingParams(
+    condition="none",
     hidden=32, steps=300, batch=64, learning_rate=3e-3, symmetry=SymmetryParams(copies=0),
     posterior_share=0.5,
 )  # fmt: skip
@@ -145,9 +147,8 @@ def test_untrained_keeps_the_scales_and_no_cycle_the_pairs(
     tmp_path: Path,
 ) -> None:
     made = jobs(tmp_path)
-    known = Material(
-        dict(zip("ab", tasks, strict=True)), {}, windows, (prior(1), states(9, 3)), {}, None
-    )
+    new = SourceTask(prior(1), states(9, 3))
+    known = Material(dict(zip("ab", tasks, strict=True)), {}, windows, new, new, {}, {}, None)
     untrained = fitted(made["untrained"], known, vaes, seed=0)
     assert torch.equal(untrained.centre_out, whole.centre_out)
     held_out = CommonTask(tasks[0].prior_x, tasks[0].prior_y, states(200, 9))
