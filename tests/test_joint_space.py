@@ -69,8 +69,19 @@ def test_what_l_hand_brings(line: Row) -> None:
         if "sees" in of and "hand_weight" not in of:
             wanted |= {"map": "network", "hand_weight": "1000.0"}
         found = [row for row in rows("hand_loss") if wanted.items() <= row.items()]
-        assert found, column
         assert line[column] == percent(found), column
+    assert line["with L_hand"] != "-"
+
+
+def test_what_l_hand_brings_the_papers_g() -> None:
+    """The two rates in the text."""
+    of = {"task": "pick_place", "sees": "k", "hidden": "128", "steps_compared": "10"}
+    known = [row for row in rows("hand_tuning") if of.items() <= row.items()]
+    by_weight = [percent([row for row in known if row["hand_weight"] == weight])
+                 for weight in ("0", "100")]  # fmt: skip
+    assert "the units had {} % there without it and {} % with it".format(*by_weight) in (
+        PAGE.read_text(encoding="utf-8")
+    )
 
 
 @pytest.mark.parametrize("line", table("own arm"), ids=lambda line: " ".join(line.values()))
