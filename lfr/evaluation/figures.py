@@ -65,7 +65,7 @@ def learning_figure(
         for panel in axes[len(transfers) :]:
             panel.set_visible(False)
         for panel, transfer in zip(axes, transfers, strict=False):
-            panel.set_title(transfer, loc="left")
+            panel.set_title("\n".join(transfer.rsplit("-", 1)), loc="left")  # who, and what
             panel.axvspan(0, warm_up / 1000, color="#000000", alpha=0.06, linewidth=0)
             panel.grid(axis="y", color="#e5e5e5", linewidth=0.6)
             panel.set_axisbelow(True)
