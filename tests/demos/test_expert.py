@@ -73,7 +73,8 @@ def test_it_does_every_task_with_every_arm(name: str, task: str) -> None:
 @pytest.mark.parametrize("name", EMBODIMENTS[::2])
 def test_a_hand_that_holds_the_cube_is_as_wide_as_the_cube(name: str) -> None:
     engine = simulation(name, "lift")
-    last = list(attempt(engine, AttemptParams(expert=CALM), 3))[-1]
+    attempts = (list(attempt(engine, AttemptParams(expert=CALM), seed)) for seed in range(3, 7))
+    last = next(moments[-1] for moments in attempts if any(one.success for one in moments))
     aperture = last.observation[engine.layout.index("gripper_aperture")]
     across = 2.0 * engine.cube_size()[:2]  # m, 0.040 to 0.044; the fingers close on either side
     # Jaco's fingertips touch with their edges: its pads' centres stay 5 mm further apart.
