@@ -16,7 +16,13 @@ from lfr.embodiments import embodiment, may_share_actions
 from lfr.errors import DataError
 from lfr.external import ExternalArm
 from lfr.mapping.closed_form import linear
-from lfr.mapping.hand_loss import ArmSkills, SourceTask, hand_difference, hand_loss
+from lfr.mapping.hand_loss import (
+    ArmSkills,
+    HandLoss,
+    SourceTask,
+    hand_difference,
+    hand_loss,
+)
 from lfr.mapping.map_quality import common_report, decoded_difference, new_task_report
 from lfr.mapping.mapping_params import MappingParams
 from lfr.mapping.mapping_training import (
@@ -117,14 +123,8 @@ def fit_mapping(job: MappingJob) -> dict[str, Any]:
     pairs = drawn_pairs(tasks, vaes, known.windows, job.params, seed)
     condition = condition_of(tasks, job.params)
     skills = arm_skills(job, "source"), arm_skills(job, "target")
-    compared, datasets = None, known.datasets
-    if job.params.hand.weight and skills[0] and skills[1]:
-        asked = [SourceTask(one.prior_x, one.observations) for one in tasks]
-        asked.append(known.new_training)
-        compared, datasets = (
-            hand_loss(asked, skills[0], skills[1], job.params, seed),
-            datasets | known.new_dataset,
-        )
+    compared = hands_compared(known, skills, job.params, seed)
+    datasets = known.datasets | (known.new_dataset if compared else {})
     g, f = train_mapping(pairs, job.params, seed, condition, compared)
     seen = MappingSeen(
         transfer.name, transfer.source, transfer.target, (arms[0].name, arms[1].name),
@@ -160,6 +160,22 @@ def fit_mapping(job: MappingJob) -> dict[str, Any]:
             }
         },
     }
+
+
+def hands_compared(
+    known: Material,
+    skills: tuple[ArmSkills | None, ArmSkills | None],
+    params: MappingParams,
+    seed: int,
+) -> HandLoss | None:
+    """L_hand over the source's skills for the common tasks and the new one; None where it is not
+    asked for, or not known of an arm what its skills do to its hand.
+    """
+    source, target = skills
+    if not params.hand.weight or source is None or target is None:
+        return None
+    common = [SourceTask(one.prior_x, one.observations) for one in known.training.values()]
+    return hand_loss([*common, known.new_training], source, target, params, seed)
 
 
 def arm_skills(job: MappingJob, role: Role) -> ArmSkills | None:

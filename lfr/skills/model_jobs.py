@@ -111,10 +111,9 @@ def fit_vae(spec: VAETraining) -> dict[str, Any]:
     names = next(iter(demonstrations.values())).actions.names
     seen = _seen(spec.robot, demonstrations, seed)
     jacobian, report = _fit_jacobian(spec, demonstrations, seed)
-    if jacobian is not None:
-        save_jacobian(spec.models.jacobian, jacobian, seen)
     poses = None
     if jacobian is not None:
+        save_jacobian(spec.models.jacobian, jacobian, seen)
         begins = {
             task: known.training.observations[:, : len(POSE_NAMES)]
             for task, known in demonstrations.items()

@@ -46,7 +46,12 @@ def train_vae(
     Args:
         states: (N, S), where the windows begin, and ``condition``, what the VAE sees of them.
         jacobian: by which errors count at the hand.
+
+    Raises:
+        ValueError: states are needed, and there are none.
     """
+    if states is None and (jacobian is not None or condition.state_names):
+        raise ValueError("a VAE that sees states, or errs at the hand, is trained with states")
     torch.manual_seed(seed)
     generator = torch.Generator().manual_seed(seed)
     vae = SkillVAE(
