@@ -5,17 +5,17 @@ Every link is zero-shot success on the transfer's new task, over the same held-o
     own_arm       source prior, source decoder, on the source
     identity      source prior, source decoder, on the target: the arms' difference alone
     no_generator  source prior, target decoder, nothing between
-    recoded       source prior, its decoded actions through the target's VAE: what that VAE can say
+    recoded       source prior, its decoded actions through the target's VAE: what that VAE can say;
+                  retargeted before where they are other actions
     linear        source prior, the best linear map of G's own pairs, target decoder
     mapped        source prior, G, target decoder: what transfer learning starts from
     retarget      source prior, source decoder, both arms' kinematic models (`lfr.mapping.retarget`)
     oracle        the target's own prior of the new task, with the decoder of all its tasks
 
 Where the two arms' actions are different things, such as motions of their joints, identity has the
-target carry them out all the same, joint by joint, and there is no recoded; elsewhere retargeting
-would be the identity. The first and the last
-are what a prior does on its own arm (`lfr.evaluation.own_arm`), which the skills stage measures;
-`lfr.evaluation.records.chain_records` puts the chain together.
+target carry them out all the same, joint by joint; elsewhere retargeting would be the identity. The
+first and the last are what a prior does on its own arm (`lfr.evaluation.own_arm`), which the skills
+stage measures; `lfr.evaluation.records.chain_records` puts the chain together.
 """
 
 from __future__ import annotations
@@ -58,6 +58,8 @@ def chain_trials(
     }
     if alike:
         policies["recoded"] = SkillFiles(prior, target_vae, encoder=vae)
+    else:
+        policies["recoded"] = RetargetFiles(prior, vae, encoder=target_vae)
     policies["linear"] = MappedFiles(prior, str(mapping / "linear"), target_vae)
     policies["mapped"] = MappedFiles(prior, str(mapping / "g"), target_vae)
     if not alike:

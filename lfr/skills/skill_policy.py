@@ -11,6 +11,7 @@ import torch
 from torch import Tensor
 
 from lfr.embodiments import embodiment
+from lfr.skills.resized import resized_vae
 from lfr.skills.saved_models import check_actions, load_prior, load_vae
 from lfr.skills.vae import SkillVAE
 
@@ -91,35 +92,13 @@ class SkillFiles:
 class UntranslatedFiles:
     """A source's skill prior and skill VAE, for an arm to which its actions mean something else.
 
-    They are carried out as they are: the gripper's comes last on either, of the others those that
-    the arm has no dimension for are left out, and those that it misses are 0.
+    They are carried out as they are, joint by joint (`lfr.skills.resized`).
     """
 
     prior: str
     decoder: str
 
-    def load(self, robot: str) -> ResizedPolicy:
+    def load(self, robot: str) -> SkillPolicy:
         """Raises DataError where a folder holds no such model, or a damaged one."""
-        prior, decoder = load_prior(Path(self.prior)), load_vae(Path(self.decoder))
-        size = embodiment(robot).action.size
-        return ResizedPolicy(SkillPolicy(prior, untranslated, decoder), size)
-
-
-@dataclass(frozen=True)
-class ResizedPolicy:
-    """A policy whose actions are cut or filled up with zeros to ``size``, the gripper's kept."""
-
-    policy: SkillPolicy
-    size: int
-
-    def reset(self, seed: int) -> None:
-        self.policy.reset(seed)
-
-    def act(self, observation: np.ndarray) -> np.ndarray:
-        """The next skill's actions (n, size) for an observation (D,)."""
-        actions = self.policy.act(observation)
-        moved = min(actions.shape[1], self.size) - 1
-        resized = np.zeros((len(actions), self.size))
-        resized[:, :moved] = actions[:, :moved]
-        resized[:, -1] = actions[:, -1]
-        return resized
+        decoder = resized_vae(load_vae(Path(self.decoder)), embodiment(robot).action.size)
+        return SkillPolicy(load_prior(Path(self.prior)), untranslated, decoder)

@@ -12,6 +12,7 @@ from typing import Any
 from lfr.errors import DataError
 from lfr.mapping.saved_generators import GENERATOR
 from lfr.model_files import ModelKind
+from lfr.skills.resized import RESIZED_VAE
 from lfr.skills.saved_models import PRIOR, VAE
 from lfr.transfer.actor import OneAction
 from lfr.transfer.extended_policy import IdentityMap, StandardNormal
@@ -51,6 +52,7 @@ register(
     PRIOR,
     GENERATOR,
     VAE,
+    RESIZED_VAE,
     ModelKind("identity_map", IdentityMap, ()),
     ModelKind("standard_normal", StandardNormal, ("latent_dim",)),
     ModelKind("one_action", OneAction, ("latent_dim",)),

@@ -3,16 +3,26 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from lfr.artifacts import as_json
 from lfr.errors import DataError
+from lfr.spaces import Space
+from lfr.transfer.environment import Resumable
 from lfr.transfer.loop import TransferLoop
 from lfr.transfer.methods.initialization import Initialization
 from lfr.transfer.model import save_policy
 from lfr.transfer.observer import Observer
 from lfr.transfer.transfer_params import TransferParams
+
+
+class TaskSimulation(Resumable, Protocol):
+    """A simulation whose observation has names."""
+
+    layout: Space
 
 
 class Reported(Observer):
@@ -42,6 +52,7 @@ def train(
     work: Path | None = None,
     about: dict[str, Any] | None = None,
     observer: Observer | None = None,
+    simulate: Callable[[], TaskSimulation] | None = None,
 ) -> dict[str, Any]:
     """Learn ``task`` on ``robot`` and leave the policy in ``out``; meant to run inside a job.
 
@@ -51,6 +62,7 @@ def train(
         out: the final policy's folder, written whole at the end.
         work: checkpoints; a run that was killed goes on from the last one.
         about: what else is stored with the policy: transfer, method, revisions.
+        simulate: makes one of the simulations that it learns in, where it is not the robot's own.
 
     Returns:
         JSON-able: seed, env_steps, updates, episodes, seconds (of learning, also in processes that
@@ -63,7 +75,8 @@ def train(
     """
     from lfr.sim.simulation import Simulation
 
-    simulations = [Simulation(robot, task) for _ in range(params.simulations)]
+    make = simulate or partial(Simulation, robot, task)
+    simulations = [make() for _ in range(params.simulations)]
     names = simulations[0].layout.names
     known = initialization.layout_names
     if names != known:

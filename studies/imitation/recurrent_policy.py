@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import torch
 
+from lfr.skills.resized import resizing
 from studies.imitation.recurrent_gmm import Hidden, RecurrentGMM
 
 
@@ -14,10 +15,15 @@ class RecurrentPolicy:
     That is robomimic's low-noise evaluation, whose standard deviation of 1e-4 about the mean is
     left out. The hidden state begins anew with an episode and after every ``network.horizon``
     steps, since training has seen no longer sequences.
+
+    Args:
+        size: of the actions of the arm that acts, if it is another than was imitated; it then does
+            them joint by joint (`lfr.skills.resized`).
     """
 
-    def __init__(self, network: RecurrentGMM) -> None:
+    def __init__(self, network: RecurrentGMM, size: int | None = None) -> None:
         self.network = network
+        self._resizing = resizing(network.action_dim, size or network.action_dim)
         self.reset()
 
     def reset(self, seed: int = 0) -> None:
@@ -36,4 +42,4 @@ class RecurrentPolicy:
         mixture, self._hidden = self.network(seen, self._hidden)
         weights = mixture.logits[0, 0].softmax(-1)
         mode = int(torch.multinomial(weights, 1, generator=self._generator))
-        return mixture.means[0, 0, mode][None].double().numpy()
+        return mixture.means[0, 0, mode][None].double().numpy() @ self._resizing

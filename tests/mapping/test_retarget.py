@@ -7,7 +7,7 @@ import pytest
 import torch
 
 from lfr.embodiments import embodiment
-from lfr.mapping.retarget import RetargetPolicy
+from lfr.mapping.retarget import RecodedRetargetPolicy, Retargeting, RetargetPolicy
 from lfr.policies import run_episode
 from lfr.seeds import episode_seed
 from lfr.sim.kinematics import kinematics
@@ -31,7 +31,7 @@ class Saying:
 def retarget(source: str, target: str, actions: np.ndarray) -> RetargetPolicy:
     says: Any = Saying(actions)
     policy = SkillPolicy(says, untranslated, says)
-    return RetargetPolicy(policy, kinematics(source), embodiment(target))
+    return RetargetPolicy(policy, Retargeting(kinematics(source), embodiment(target)))
 
 
 MOTION = np.array([0.2, -0.15, 0.1, 0.02, 0.03, -0.05])
@@ -46,14 +46,16 @@ def test_the_hand_moves_as_the_sources_would(source: str, target: str) -> None:
     policy = retarget(source, target, np.zeros((5, model.joints + 1)))
     policy.attach(arm)
     policy.reset(0)
-    policy.motion(np.zeros(embodiment(source).action.size), observation)  # finds the posture
+    policy.retargeting.motion(
+        np.zeros(embodiment(source).action.size), observation
+    )  # finds the posture
     if source == "panda":
         action = np.append(MOTION, -1.0)
     else:
         action = model.embodiment.controller.label(
-            np.append(MOTION, -1.0), model.at(policy._joints)
+            np.append(MOTION, -1.0), model.at(policy.retargeting.joints)
         )
-    found = policy.motion(action, observation)
+    found = policy.retargeting.motion(action, observation)
     np.testing.assert_allclose(found, MOTION, atol=0.03)
 
 
@@ -83,3 +85,51 @@ def test_a_skill_is_carried_out_step_by_step() -> None:
 
     run_episode(policy, Watched(), episode_seed("learning", 3))
     assert len(seen) == 10
+
+
+class Verbatim:
+    """A target's skill VAE that can say anything: z is the actions themselves."""
+
+    def encode(self, actions: torch.Tensor, observations: torch.Tensor) -> Any:
+        return actions, actions
+
+    def carry_out(self, z: torch.Tensor, observations: torch.Tensor) -> torch.Tensor:
+        return z[:, :5]
+
+
+class Skill(Saying):
+    def decode(self, z: torch.Tensor, observations: torch.Tensor) -> torch.Tensor:
+        return self.actions
+
+
+@pytest.mark.parametrize("source", ["panda", "sawyer-joint_position"])
+def test_a_skill_foreseen_is_the_skill_step_by_step(source: str) -> None:
+    """By the kinematic models alone, where a VAE loses nothing: nearly what the arm itself does."""
+    target = "ur5e-joint_position"
+    arm, model = simulation(target, "lift"), kinematics(source)
+    skill = np.tile(np.append(0.5 * MOTION, -1.0), (10, 1))
+    if source != "panda":
+        skill = np.tile(np.append(np.linspace(-0.3, 0.3, model.joints), -1.0), (10, 1))
+    says: Any = Skill(skill.astype(np.float32))
+    verbatim: Any = Verbatim()
+    retargeting = Retargeting(model, embodiment(target))
+    foreseeing = RecodedRetargetPolicy(
+        SkillPolicy(says, untranslated, says), retargeting, kinematics(target), verbatim
+    )
+    observation = arm.reset(episode_seed("learning", 3))
+    foreseeing.attach(arm)
+    foreseeing.reset(0)
+    foreseen = foreseeing.act(observation)
+    assert foreseen.shape == (5, 7)
+
+    stepping = retarget(source, target, skill)
+    stepping.attach(arm)
+    stepping.reset(0)
+    stepped = []
+    for _ in range(5):
+        stepped.append(stepping.act(observation)[0])
+        observation = arm.step(stepped[-1][None]).observations[-1]
+    # The first is the same; later ones are of where the arm has come to, which lags behind.
+    np.testing.assert_allclose(foreseen[0], stepped[0], atol=1e-6)
+    np.testing.assert_allclose(foreseen, np.stack(stepped), atol=0.1)
+    assert np.abs(foreseen[:, :-1]).max() > 0.2

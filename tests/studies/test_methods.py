@@ -10,20 +10,15 @@ from pathlib import Path
 import pytest
 import torch
 
-from lfr.errors import DataError
-from lfr.mapping.generator import Generator
-from lfr.mapping.saved_generators import save_generator
 from lfr.skills.prior import SkillPrior
-from lfr.skills.saved_models import save_prior, save_vae
-from lfr.skills.vae import SkillVAE
 from lfr.transfer.methods import METHODS, Method, initialize
 from lfr.transfer.methods.initialization import TrainedModels
 from lfr.transfer.model import load_policy, save_policy
 from lfr.transfer.transfer_params import TransferParams
-from studies.ablations.other_task import OtherTaskPrior, save_other_task
 from studies.methods import methods as methods_with
+from studies.spirl.other_task import OtherTaskPrior, save_other_task
 from tests.transfer.point import NAMES, point_params
-from tests.transfer.saved_models import MAPPED, SEEN, saved_models
+from tests.transfer.saved_models import SEEN, saved_models
 
 
 @pytest.fixture
@@ -38,21 +33,16 @@ def models(tmp_path: Path) -> TrainedModels:
 
 @pytest.fixture
 def methods(models: TrainedModels, tmp_path: Path) -> Mapping[str, Method]:
-    """With one variant of each kind; what of other tasks there is sees two of three numbers."""
+    """SPiRL's prior sees two of three numbers."""
     torch.manual_seed(5)
-    variants = tmp_path / "variants"
-    save_generator(variants / "only_lift" / "g", Generator(4, 16, 3), MAPPED)
-    save_vae(variants / "shared_vae" / "vae", SkillVAE(3, 2, 4, 8), SEEN)
-    save_prior(variants / "shared_vae" / "prior", models.source_prior(), SEEN)
     inner = SkillPrior(("x_pos", "goal_to_x"), latent_dim=4, hidden=16, layers=2)
     prior = OtherTaskPrior(NAMES, inner.layout_names, (0, 2), 4, 16, 2)
     prior.inner.load_state_dict(inner.state_dict())
-    for name in ("any_task", "wrong_task"):
-        save_other_task(variants / name / "prior", prior, SEEN)
-    return methods_with(variants)
+    save_other_task(tmp_path / "spirl", prior, SEEN)
+    return methods_with(tmp_path / "spirl")
 
 
-OWN = ("only_lift", "spirl", "spirl_no_prior", "shared_vae", "wrong_task")
+OWN = ("spirl", "retarget")
 
 
 def test_the_librarys_methods_are_there_as_they_are(methods: Mapping[str, Method]) -> None:
@@ -74,31 +64,8 @@ def test_every_method_begins_and_is_saved(
     again, _ = load_policy(tmp_path / "policy")
     torch.testing.assert_close(again.policy(observation), begun.actor.policy(observation))
     torch.testing.assert_close(again.prior(observation), begun.actor.prior(observation))
-    if name != "spirl_no_prior":  # before any learning, the policy is the prior it is held near
-        actor = begun.actor
-        torch.testing.assert_close(actor.policy(observation), actor.prior(observation))
-
-
-def test_one_common_task_gives_another_phi(
-    models: TrainedModels, params: TransferParams, methods: Mapping[str, Method]
-) -> None:
-    observation = torch.randn(5, 3)
-    names = ("lfr", "only_lift")
-    whole, only = (initialize(name, models, params, 0, methods).actor for name in names)
-    assert not torch.allclose(only.prior(observation)[0], whole.prior(observation)[0])
-    z = torch.randn(2, 4)
-    torch.testing.assert_close(only.decoder.carry_out(z), whole.decoder.carry_out(z))
-
-
-def test_a_new_policy_depends_on_the_seed_alone(
-    models: TrainedModels, params: TransferParams, methods: Mapping[str, Method]
-) -> None:
-    observation, name = torch.randn(5, 3), "spirl_no_prior"
-    one, again, other = (initialize(name, models, params, seed, methods) for seed in (3, 3, 4))
-    found = [begun.actor.policy(observation)[0] for begun in (one, again, other)]
-    assert torch.equal(found[0], found[1])
-    assert not torch.equal(found[0], found[2])
-    assert not one.actor.prior(observation)[0].any()
+    # before any learning, the policy is the prior it is held near
+    torch.testing.assert_close(begun.actor.policy(observation), begun.actor.prior(observation))
 
 
 def test_who_begins_with_another_tasks_prior_sees_everything(
@@ -139,10 +106,3 @@ sys.exit(run_program(lambda: load_policy(Path("policy"))))
     (line,) = done.stderr.splitlines()
     assert "unknown kind of network" in line
     assert "found ResidualPriorPolicy, expected SkillPrior or " in line
-
-
-def test_a_missing_variant_is_named(
-    models: TrainedModels, params: TransferParams, tmp_path: Path
-) -> None:
-    with pytest.raises(DataError, match=r"studies\.ablations\.variants"):
-        initialize("shared_vae", models, params, 0, methods_with(tmp_path / "nothing"))

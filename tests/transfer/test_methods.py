@@ -9,14 +9,18 @@ import numpy as np
 import pytest
 import torch
 
-from lfr.columns import ActionSpace
-from lfr.errors import DataError, LfrError, UnknownNameError
-from lfr.skills.saved_models import load_seen, save_vae
+from lfr.errors import DataError, UnknownNameError
+from lfr.scenarios import Scenario, transfers_of
+from lfr.skills.library import transfer_models
+from lfr.skills.prior import SkillPrior
+from lfr.skills.vae import SkillVAE
+from lfr.tasks import task as task_named
 from lfr.transfer.distribution import SQUASHED
 from lfr.transfer.loop import TransferLoop
 from lfr.transfer.methods import METHODS, initialize
 from lfr.transfer.methods.initialization import TrainedModels
 from lfr.transfer.model import LearnedFiles, load_policy, save_policy
+from tests.skills.made_up import save_models
 
 from .point import NAMES, PointSimulation
 from .saved_models import saved_models
@@ -108,18 +112,27 @@ def test_a_network_that_nobody_registered_is_named_with_the_known_ones(models, p
         load_policy(tmp_path / "policy")
     assert str(raised.value).startswith(
         f"an unknown kind of network: {file}, found SomebodysMap, expected SkillPrior or Generator "
-        "or SkillVAE or IdentityMap or StandardNormal or OneAction"
+        "or SkillVAE or ResizedVAE or IdentityMap or StandardNormal or OneAction"
     )
 
 
-def test_ap_is_refused_where_the_target_cannot_carry_out_the_sources_actions(models, params):
-    folder = models.skills["source"].vae()
-    joints = ActionSpace(("dq.left", "dq.right"), (-1.0,) * 2, (1.0,) * 2)
-    seen = dataclasses.replace(load_seen(folder), actions=joints)
-    save_vae(folder, models.source_vae(), seen)
-    with pytest.raises(LfrError, match=r"^ap: b cannot carry out the actions of a; choose "):
-        initialize("ap", models, params, 0)
-    assert initialize("lfr", models, params, 0).latent_dim == 4
+def test_ap_has_the_target_do_the_sources_actions_joint_by_joint(params, tmp_path):
+    """Panda has seven joints, UR5e six; the gripper comes last on either."""
+    arms = ("ur5e-joint_position", "panda-joint_position")
+    (transfer,) = transfers_of(scenario := Scenario("s", ("lift",), {arms[0]: "stack"}, arms))
+    skills = transfer_models(scenario, transfer, tmp_path / "skills")
+    names = task_named("stack").observation.names
+    save_models(skills["source"], SkillVAE(4, 8, 3, 8), {"stack": SkillPrior(names, 3, 8, 2)})
+    save_models(skills["target"], SkillVAE(4, 7, 3, 8), {})
+    models = TrainedModels(transfer, skills, tmp_path / "mapping")
+    actor = initialize("ap", models, params, 0).actor
+    save_policy(tmp_path / "policy", actor, {"robot": arms[0]})
+    again = LearnedFiles(str(tmp_path / "policy")).load(arms[0])
+    z, seen = torch.randn(5, 3), torch.randn(5, len(names))
+    own = models.source_vae().requires_grad_(False).carry_out(z, seen).numpy()
+    for decoder in (actor.decoder, again.decoder):
+        found = decoder.carry_out(z, seen).numpy()
+        np.testing.assert_array_equal(found, np.delete(own, 6, axis=-1))
 
 
 def test_a_policy_of_another_robot_is_refused(models, params, tmp_path):

@@ -15,8 +15,8 @@ from lfr.skills.prior import SkillPrior
 from lfr.skills.saved_models import Seen, load_prior
 from lfr.spaces import ROBOT_STATE
 from lfr.tasks import TASKS, task
-from studies.ablations.any_task import ANY_TASK_NAMES, any_task_places
-from studies.ablations.other_task import (
+from studies.spirl.any_task import ANY_TASK_NAMES, any_task_places
+from studies.spirl.other_task import (
     OtherTaskPrior,
     asked_about,
     counterparts,

@@ -1,4 +1,4 @@
-"""What the variants read, and what they say that they have read."""
+"""What the prior of any task reads, and what it says that it has read."""
 
 from __future__ import annotations
 
@@ -15,22 +15,19 @@ from lfr.errors import LfrError
 from lfr.scenarios import Scenario, check_visible, transfers_of
 from lfr.skills.demonstrations import Demonstrations
 from lfr.skills.library import RoleModels, transfer_models
-from lfr.skills.saved_models import load_prior, load_seen, load_vae
-from lfr.skills.skill_params import PriorParams, SkillsParams, VAEParams
+from lfr.skills.skill_params import PriorParams
 from lfr.skills.symmetry import SymmetryParams
 from lfr.skills.vae import SkillVAE
 from lfr.tasks import task as task_named
-from studies.ablations import any_task, shared_vae
-from studies.ablations.any_task import AnyTaskJob, fit_any_task
-from studies.ablations.other_task import load_other_task
-from studies.ablations.shared_vae import SharedJob, fit_shared
+from studies.spirl import any_task
+from studies.spirl.any_task import AnyTaskJob, fit_any_task
+from studies.spirl.other_task import load_other_task
 from tests.skills.made_up import save_models
 
 SCENARIO = Scenario("s1", ("pick_place", "nut_assembly"), {"panda": "lift", "sawyer": "stack"})
 TRANSFER = transfers_of(SCENARIO)[0]  # lift from sawyer to panda
 PRIOR = PriorParams(hidden=8, layers=2, steps=2, batch=4, symmetry=SymmetryParams(copies=1))
 ACTION_NAMES = embodiment("panda").action.names
-PARAMS = SkillsParams(VAEParams(horizon=4, latent_dim=3, hidden=8, steps=2, batch=4), PRIOR)
 
 
 def made_up(robot: str, task: str) -> Demonstrations:
@@ -56,26 +53,8 @@ def read(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, str, str]]:
         seen.extend((role, robot, task) for task in tasks)
         return {task: made_up(robot, task) for task in tasks}
 
-    for module in (shared_vae, any_task):
-        monkeypatch.setattr(module, "read_visible", read_visible)
+    monkeypatch.setattr(any_task, "read_visible", read_visible)
     return seen
-
-
-def test_the_shared_vae_sees_no_new_task_of_the_target(
-    read: list[tuple[str, str, str]], tmp_path: Path
-) -> None:
-    fit_shared(SharedJob(SCENARIO, TRANSFER, PARAMS, 0, str(tmp_path)))
-    assert set(read) == {
-        ("source", "sawyer", "pick_place"), ("source", "sawyer", "nut_assembly"),
-        ("source", "sawyer", "lift"),
-        ("target", "panda", "pick_place"), ("target", "panda", "nut_assembly"),
-    }  # fmt: skip
-    seen = load_seen(tmp_path / "vae")
-    assert set(seen.datasets) == {f"{robot}-{task}" for _, robot, task in read}
-    assert "panda-lift" not in seen.datasets
-    assert load_vae(tmp_path / "vae").latent_dim == 3
-    assert load_prior(tmp_path / "prior", made_up("sawyer", "lift").names).latent_dim == 3
-    assert load_seen(tmp_path / "prior").datasets == {"sawyer-lift": "of sawyer-lift"}
 
 
 def test_what_is_hidden_is_refused_before_anything_is_read(tmp_path: Path) -> None:

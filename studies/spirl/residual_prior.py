@@ -11,7 +11,7 @@ from lfr.model_files import ModelKind
 from lfr.skills.gaussian import LOG_SIGMA_RANGE
 from lfr.skills.normalizer import Normalizer
 from lfr.skills.prior import SkillPrior
-from studies.ablations.other_task import OTHER_TASK, OtherTaskPrior
+from studies.spirl.other_task import OTHER_TASK, OtherTaskPrior
 
 
 class ResidualPriorPolicy(nn.Module):

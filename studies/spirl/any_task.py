@@ -24,7 +24,7 @@ from lfr.skills.symmetry import actions_turn_with_base
 from lfr.spaces import ROBOT_STATE, axis, displacement, position
 from lfr.tasks import Task
 from lfr.tasks import task as task_named
-from studies.ablations.other_task import asked_about, counterparts, save_other_task
+from studies.spirl.other_task import asked_about, counterparts, save_other_task
 
 OBJECT = "object"
 ANY_TASK_NAMES: tuple[str, ...] = (
