@@ -126,23 +126,6 @@ def write(name: str, figures: list[Figure], folder: Path = FOLDER, **machine: st
     return path
 
 
-def put(page: Path, name: str, text: str) -> None:
-    """Replace what a page shows between its markers ``<!-- name -->`` and ``<!-- /name -->``."""
-    before, after = f"<!-- {name} -->\n", f"\n<!-- /{name} -->"
-    whole = page.read_text(encoding="utf-8")
-    head, rest = whole.split(before)[0], whole.split(after)[1]
-    page.write_text(f"{head}{before}{text}{after}{rest}", encoding="utf-8")
-
-
-def shown(page: Path, name: str) -> str:
-    """What a page shows between its markers, as `put` put it there."""
-    return (
-        page.read_text(encoding="utf-8")
-        .split(f"<!-- {name} -->\n")[1]
-        .split(f"\n<!-- /{name} -->")[0]
-    )
-
-
 def _processor() -> str:
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()

@@ -17,9 +17,10 @@ from typing import Any, Literal
 
 import numpy as np
 
-from benchmarks._figures import FOLDER, put
+from benchmarks._figures import FOLDER
 from lfr.artifacts import provenance, write_json
 from lfr.embodiments import embodiment, embodiments
+from lfr.evaluation.marked import put
 from lfr.jobs import Job, run_jobs
 from lfr.params import read_section
 from lfr.robots import ROBOTS

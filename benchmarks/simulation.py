@@ -25,11 +25,12 @@ import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
-from benchmarks._figures import FOLDER, Figure, compare, put, show, write
+from benchmarks._figures import FOLDER, Figure, compare, show, write
 from lfr.controllers import set_goal, set_torques
 from lfr.controllers.controller import SUBSTEPS
 from lfr.demos.expert import Expert, ExpertParams
 from lfr.embodiments import embodiments
+from lfr.evaluation.marked import put
 from lfr.sim import kernel, libmujoco
 from lfr.sim.batch import Batch
 from lfr.sim.simulation import Simulation

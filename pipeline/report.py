@@ -7,7 +7,8 @@ from lfr.artifacts import write_json, write_whole
 from lfr.errors import ParameterError
 from lfr.evaluation import figures
 from lfr.evaluation import results_tables as tables
-from lfr.evaluation.readme import results_block, update_readme
+from lfr.evaluation.marked import put
+from lfr.evaluation.readme import MARKER, results_block
 from lfr.evaluation.records import RESULTS, chain_records, read_runs, transfer_records
 from lfr.evaluation.results_page import report
 from lfr.external import external
@@ -40,7 +41,7 @@ def main() -> None:
     _write(RESULTS / "table.md", tables.transfer_table(records, chains))
     _write(RESULTS / "report.md", report(records, chains, external=external().transfers))
     if README.is_file():  # it is no output of the stage, and need not be there
-        update_readme(README, results_block())
+        put(README, MARKER, results_block())
 
 
 def _listed(section: str) -> list[str]:

@@ -10,12 +10,13 @@ import torch
 from benchmarks import packing, simulation, stages, training
 from benchmarks import windows as reading
 from benchmarks._datasets import Size, as_of_robot, write_dataset
-from benchmarks._figures import FOLDER, put, shown, within
+from benchmarks._figures import FOLDER, within
 from lfr.artifacts import read_json
 from lfr.data.checks import check_dataset
 from lfr.data.episode import Episode
 from lfr.data.windows import Windows, read_dataset
 from lfr.errors import DataError
+from lfr.evaluation.marked import put, shown
 from lfr.jobs import Job
 from lfr.jobs.memory import own_peak
 from tests.data import made_up

@@ -15,7 +15,8 @@ import pytest
 
 from lfr import cli
 from lfr.data.episode import FEATURES, IMAGES
-from lfr.evaluation.readme import results_block, shown_block
+from lfr.evaluation.marked import shown
+from lfr.evaluation.readme import MARKER, results_block
 from lfr.evaluation.records import CHAIN
 from lfr.scenarios import transfers
 from lfr.tasks import TASKS
@@ -196,7 +197,7 @@ def options_of(names: tuple[str, ...]) -> set[str]:
 
 
 def test_readme_shows_what_the_results_hold() -> None:
-    assert shown_block(ROOT / "README.md") == results_block(ROOT / "results"), (
+    assert shown(ROOT / "README.md", MARKER) == results_block(ROOT / "results"), (
         "run `python -m pipeline.report`"
     )
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks._figures import shown
+from lfr.evaluation.marked import shown
 
 ROOT = Path(__file__).parent.parent
 PAGE, STUDIES = ROOT / "docs" / "joint-space.md", ROOT / "results" / "studies"

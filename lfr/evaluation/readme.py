@@ -1,14 +1,12 @@
-"""What the README shows of `results/`: figure, table and times, between two markers."""
+"""What the README shows of `results/`: figure, table and times, between the markers "results"."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from lfr.artifacts import write_whole
-from lfr.errors import DataError
 from lfr.evaluation.records import RESULTS, stage_runs
 
-BEGIN, END = "<!-- results -->", "<!-- /results -->"
+MARKER = "results"
 NOT_YET = "*Nothing has been measured yet: `make repro` puts the figure and the table here.*"
 
 
@@ -45,38 +43,3 @@ def _times(results: Path) -> str:
     each = ", ".join(f"{name} {sum(runs):.0f} ({len(runs)})" for name, runs in seconds.items())
     minutes = sum(sum(runs) for runs in seconds.values()) / 60
     return f"Seconds of each stage (runs): {each}; {minutes:.0f} minutes together."
-
-
-def update_readme(readme: Path, block: str) -> None:
-    """Put ``block`` (Markdown) between the README's markers.
-
-    Raises:
-        DataError: the markers are not there, or not once each and in order.
-    """
-    before, shown, after = _split(readme)
-    if shown == block:
-        return
-    with write_whole(readme) as partial:
-        partial.write_text(f"{before}{BEGIN}\n{block}\n{END}{after}", encoding="utf-8")
-
-
-def shown_block(readme: Path) -> str:
-    """What stands between the README's markers now.
-
-    Raises:
-        DataError: as `update_readme`.
-    """
-    return _split(readme)[1]
-
-
-def _split(readme: Path) -> tuple[str, str, str]:
-    text = readme.read_text(encoding="utf-8")
-    found = [text.count(marker) for marker in (BEGIN, END)]
-    if found != [1, 1] or text.index(END) < text.index(BEGIN):
-        raise DataError(
-            "the markers of the results are not there once each",
-            file=readme, found=found, expected=f"one {BEGIN} and, after it, one {END}",
-        )  # fmt: skip
-    before, rest = text.split(BEGIN)
-    shown, after = rest.split(END)
-    return before, shown.strip(), after

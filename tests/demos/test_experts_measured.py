@@ -3,8 +3,9 @@
 import pytest
 
 from benchmarks import experts
-from benchmarks._figures import FOLDER, shown
+from benchmarks._figures import FOLDER
 from lfr.artifacts import read_json
+from lfr.evaluation.marked import shown
 from tests.sim.pairs import EMBODIMENTS
 
 GOALS = {"lift": 0.95, "stack": 0.95, "pick_place": 0.95, "nut_assembly": 0.85}
