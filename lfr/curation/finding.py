@@ -26,6 +26,8 @@ class Finding:
         episode: its index; None where it is not about one.
         column: a column of the rows, of meta/episodes or of stats.json, or one dimension of it.
         row: over the rows of all episodes; with `places` above 1, the first of them.
+        frames: of the episode, the first and the last that it is about; None where it is not about
+            some.
         found, expected: what was there, and what should be.
         places: how many rows or episodes the same is wrong in.
     """
@@ -40,11 +42,14 @@ class Finding:
     found: Any = None
     expected: Any = None
     places: int = 1
+    frames: tuple[int, int] | None = None
 
     def __str__(self) -> str:
         """One line for a terminal."""
         where = [self.file] if self.file else []
-        named = {"episode": self.episode, "column": self.column, "row": self.row}
+        named = {"episode": self.episode, "column": self.column or None, "row": self.row}
+        if self.frames is not None:
+            named |= {"row": None, "frames": "{} to {}".format(*self.frames)}
         named |= {"found": self.found, "expected": self.expected}
         where += [f"{name} {_short(value)}" for name, value in named.items() if value is not None]
         more = f" (and {self.places - 1} more)" if self.places > 1 else ""

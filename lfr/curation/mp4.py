@@ -17,6 +17,10 @@ from typing import BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
+_CODECS = {"av01": "av1", "avc1": "h264", "avc3": "h264", "hev1": "hevc", "hvc1": "hevc",
+           "vp09": "vp9", "mp4v": "mpeg4"}  # fmt: skip
+_DESCRIPTION = 86  # bytes of a video's sample description before its own boxes
+_HIGH_PROFILES = (100, 110, 122, 144, 244)
 _CONTAINERS = (b"moov", b"trak", b"mdia", b"minf", b"stbl")
 
 
@@ -30,7 +34,9 @@ class VideoHeader:
 
     Attributes:
         width, height: pixels.
-        codec: four characters, e.g. `av01`, `avc1`.
+        codec: as FFmpeg calls it, e.g. `av1`, `h264`; the four characters of the file where it is
+            none of the usual.
+        pixels: the pixel format, as FFmpeg calls it; None where the header does not say.
         times: (F,) s, when each frame is decoded, from 0; shown then too, without B-frames.
         key_frames: (K,) indices of frames that are decoded without others.
         reordered: whether frames are shown in another order than they are stored in.
@@ -39,6 +45,7 @@ class VideoHeader:
     width: int
     height: int
     codec: str
+    pixels: str | None
     times: NDArray[np.float64]
     key_frames: NDArray[np.int64]
     reordered: bool
@@ -141,9 +148,39 @@ def _header(boxes: dict[bytes, bytes]) -> VideoHeader:
     entry = boxes[b"stsd"][8:]  # of the first sample description
     width, height = struct.unpack_from(">HH", entry, 32)
     offsets = _table(boxes[b"ctts"], 2)[:, 1] if b"ctts" in boxes else np.zeros(1, np.int64)
+    name = entry[4:8].decode("latin1")
+    codec = _CODECS.get(name, name)
     return VideoHeader(
-        width, height, entry[4:8].decode("latin1"), times, keys, len(set(offsets.tolist())) > 1
+        width, height, codec, _pixels(codec, entry), times, keys, len(set(offsets.tolist())) > 1
     )
+
+
+def _pixels(codec: str, entry: bytes) -> str | None:
+    """The pixel format by a sample description's own box, avcC or av1C."""
+    boxes = dict(_children(entry[_DESCRIPTION : struct.unpack_from(">I", entry)[0]]))
+    if codec == "av1" and len(content := boxes.get(b"av1C", b"")) > 2:
+        flags = content[2]
+        deep, twelve, gray = flags >> 6 & 1, flags >> 5 & 1, flags >> 4 & 1
+        chroma = "400" if gray else {3: "420", 2: "422", 0: "444"}.get(flags >> 2 & 3)
+        bits = 12 if twelve else 10 if deep else 8
+    elif codec == "h264" and len(content := boxes.get(b"avcC", b"")) > 6:
+        chroma, bits = "420", 8
+        if content[1] in _HIGH_PROFILES:
+            at = 6  # after the sequence parameter sets come the picture parameter sets
+            for _ in range(content[5] & 31):
+                at += 2 + struct.unpack_from(">H", content, at)[0]
+            count, at = content[at], at + 1
+            for _ in range(count):
+                at += 2 + struct.unpack_from(">H", content, at)[0]
+            if len(content) >= at + 2:
+                chroma = {0: "400", 1: "420", 2: "422", 3: "444"}[content[at] & 3]
+                bits = 8 + (content[at + 1] & 7)
+    else:
+        return None
+    if chroma is None:
+        return None
+    name = "gray" if chroma == "400" else f"yuv{chroma}p"
+    return name if bits == 8 else f"{name}{bits}le"
 
 
 def _table(content: bytes, columns: int) -> NDArray[np.int64]:

@@ -8,10 +8,12 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from lfr.curation.checks.behaviour import check_behaviour
 from lfr.curation.checks.counts import check_counts
 from lfr.curation.checks.files import check_files
 from lfr.curation.checks.logs import check_logs, default_folder, has_logs
 from lfr.curation.checks.order import check_order, check_tasks, check_time
+from lfr.curation.checks.pictures import check_pictures
 from lfr.curation.checks.schema import check_schema
 from lfr.curation.checks.seeds import check_seeds
 from lfr.curation.checks.statistics import check_statistics
@@ -35,6 +37,7 @@ CHECKS: dict[str, Check] = {
     "statistics": check_statistics,
     "videos": check_videos,
     "seeds": check_seeds,
+    "behaviour": check_behaviour,
 }
 
 
@@ -83,13 +86,15 @@ class Report:
         }
 
 
-def verify_dataset(path: Path, logs: Path | None = None) -> Report:
+def verify_dataset(path: Path, logs: Path | None = None, pictures: int | None = None) -> Report:
     """Check a LeRobot v3.0 dataset for all that can be wrong with it.
 
     Args:
         path: the dataset's folder; nothing is written to it.
         logs: the folder of the logs it was packed from; by default `data/logs/<name>` beside a
             dataset `data/lerobot/<name>`, where that is.
+        pictures: every how many frames of its videos one is decoded and looked at; None leaves
+            them.
 
     Raises:
         DataError: there is no LeRobot v3.0 dataset at `path`, or no folder `logs`.
@@ -102,7 +107,9 @@ def verify_dataset(path: Path, logs: Path | None = None) -> Report:
     except Unreadable as unreadable:
         return Report(path, (unreadable.finding,))
     logs = logs or default_folder(path)
-    checks = {**CHECKS, "logs": partial(check_logs, folder=logs)}
+    checks: dict[str, Check] = {**CHECKS, "logs": partial(check_logs, folder=logs)}
+    if pictures is not None:
+        checks["pictures"] = partial(check_pictures, stride=pictures)
     findings: dict[Finding | str, Finding] = {}
     bar = progress(checks.items(), f"verify {path.name}", "check")
     for _, check in bar:

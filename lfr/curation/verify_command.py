@@ -19,6 +19,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="DIR",
         help="the MCAP logs it was packed from (default: data/logs/<name> beside its folder)",
     )
+    parser.add_argument(
+        "--pictures",
+        type=int,
+        nargs="?",
+        const=2,
+        metavar="N",
+        help="decode every N-th frame of the videos (default 2) and look at what they show",
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -29,7 +37,7 @@ def run(arguments: argparse.Namespace) -> int:
     """
     from lfr.curation.verify import verify_dataset
 
-    report = verify_dataset(arguments.path, arguments.logs)
+    report = verify_dataset(arguments.path, arguments.logs, arguments.pictures)
     if arguments.json:
         print(json.dumps(report.as_json(), indent=2, ensure_ascii=False))
     else:

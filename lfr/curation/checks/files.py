@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 
 import numpy as np
@@ -29,11 +30,27 @@ def check_files(contents: Contents) -> Iterator[Finding]:
     unfinished = {*contents.path.rglob("*.partial"), *contents.path.rglob(".partial-*")}
     for partial in sorted(unfinished):
         yield Finding("left-over", "an unfinished file", "warning", contents.relative(partial))
+    yield from _links(contents)
     yield from _named(contents, "data/", "data_path", ".parquet", "data")
     for key in contents.pictures():
         yield from _named(
             contents, f"videos/{key}/", "video_path", ".mp4", f"videos/{key}", video_key=key
         )
+
+
+def _links(contents: Contents) -> Iterator[Finding]:
+    """Links to files elsewhere: whoever publishes or copies the dataset takes these along.
+
+    Not those of a store of files by their content, as the Hugging Face Hub's and DVC's are.
+    """
+    root = contents.path.resolve()
+    for file in sorted(contents.path.rglob("*")):
+        if not (file.is_symlink() and os.path.isabs(os.readlink(file))):
+            continue
+        target = file.resolve()
+        if not target.is_relative_to(root) and not {"blobs", "files", ".dvc"} & set(target.parts):
+            yield Finding("link", "a link that leads out of the dataset", "warning",
+                          contents.relative(file), found=str(target))  # fmt: skip
 
 
 def _named(

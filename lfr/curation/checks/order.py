@@ -74,6 +74,11 @@ def check_tasks(contents: Contents) -> Iterator[Finding]:
     if sorted(words) != list(range(len(words))):
         yield Finding("tasks", "indices that do not count up from 0", file=TASKS,
                       column="task_index", found=sorted(words))  # fmt: skip
+    for number, text in words.items():
+        what = "no words" if not str(text).strip() else "control characters in its words"
+        if what == "no words" or not all(c.isprintable() or c in "\n\t" for c in str(text)):
+            yield Finding("tasks", f"a task with {what}", "warning", TASKS, column="task",
+                          found=f"task {number}: {text!r}")  # fmt: skip
     if len(set(words.values())) != len(words):
         yield Finding("tasks", "the same words twice", "warning", TASKS, column="task")
     unknown = ~np.isin(index, list(words))

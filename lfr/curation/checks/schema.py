@@ -32,6 +32,8 @@ def check_schema(contents: Contents) -> Iterator[Finding]:
             found = contents.features[key].get("dtype")
             yield Finding("schema", "another dtype than LeRobot's", "error", INFO, None, key, None,
                           found, dtype)  # fmt: skip
+    if "robot_type" not in contents.info:
+        yield Finding("info", "no robot_type", "warning", INFO, column="robot_type")
     for key, feature in contents.features.items():
         yield from _described(key, feature)
     for name, file in zip(contents.data_files, contents.data, strict=True):

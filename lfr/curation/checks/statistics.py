@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from lfr.curation.features import settings_of
 from lfr.curation.finding import Finding, Severity, first, unreadable
 from lfr.data.stats import QUANTILES, Stats
 
+AVERAGED = "averaged-quantiles"
 # LeRobot adds float32 values up, so a mean is off by this part of the values' root mean square,
 # and a variance, the difference of two such sums, by this part of the mean square.
 TOLERANCE = 2e-5
@@ -29,17 +31,25 @@ def check_statistics(contents: Contents) -> Iterator[Finding]:
     """Every statistic that is there is that of the rows; what LeRobot writes is all there."""
     stored = _stored(contents)
     there = runs(contents)
+    averages: list[Finding] = []
     for key in contents.numeric():
         values = contents.column(key)
-        if values.reshape(len(values), -1).size == 0 or not np.isfinite(values).all():
+        if values.size == 0 or not np.isfinite(values).all():
             continue  # said where the values are checked
         if not isinstance(stored.get(key), dict):
             if stored:
                 yield Finding("statistics", "no statistics of a feature", "warning", STATS,
                               column=key)  # fmt: skip
         else:
-            yield from _dataset(contents, key, stored[key], values)
+            for finding in _dataset(contents, key, stored[key], values):
+                if finding.check == AVERAGED:
+                    averages.append(finding)
+                else:
+                    yield finding
         yield from _episodes(contents, key, values, there)
+    if averages:  # of one cause, so in one line
+        columns = ", ".join(str(finding.column) for finding in averages)
+        yield replace(averages[0], column=columns, places=len(averages))
     for dtype in PICTURES:
         for key in contents.pictures(dtype):
             if isinstance(stored.get(key), dict):
@@ -86,7 +96,7 @@ def _dataset(
         (averages if average else wrong).append((name, found, off))
     kinds: tuple[tuple[str, str, Severity, list[tuple[str, NDArray, NDArray]]], ...] = (
         ("statistics", "not the statistics of the rows", _severity(key), wrong),
-        ("averaged-quantiles", "the mean of the episodes' quantiles, not a quantile of the rows "
+        (AVERAGED, "the mean of the episodes' quantiles, not a quantile of the rows "
          "(lerobot issue 4156)", "warning", averages),
     )  # fmt: skip
     for check, message, severity, those in kinds:

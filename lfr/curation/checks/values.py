@@ -10,14 +10,15 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from lfr.curation.checks.ranges import bounds
-from lfr.curation.contents import DEFAULT_FEATURES, EPISODES, Contents, Runs, runs
-from lfr.curation.features import names_of
+from lfr.curation.contents import DEFAULT_FEATURES, EPISODES, NOT_NUMBERS, Contents, Runs, runs
+from lfr.curation.features import names_of, shape_of
 from lfr.curation.finding import Finding, first
 from lfr.data.episode import DONE, REWARD, SUCCESS
 
 SLACK = 1e-3  # beyond a range: rotations are orthogonal to float32's precision, not exactly
 # A value this many times as far from the median as the middle 98 % reach is a spike.
 SPIKE = 100.0
+SELDOM = 0.1  # share of episodes: where more fail, failures are meant to be there
 
 
 def check_values(contents: Contents) -> Iterator[Finding]:
@@ -25,6 +26,9 @@ def check_values(contents: Contents) -> Iterator[Finding]:
     there = runs(contents)
     still = np.ones(len(there.start), bool)  # episodes in which nothing observed has moved
     observed = False
+    if not len(there.start):
+        return  # said where the rows are counted
+    yield from _tensors(contents)
     for key in contents.numeric():
         values = contents.column(key)
         rows = values.reshape(len(values), -1)
@@ -56,6 +60,26 @@ def check_values(contents: Contents) -> Iterator[Finding]:
         yield Finding("frozen", "nothing that is observed moves", "warning",
                       **contents.place(int(there.start[at])), places=places)  # fmt: skip
     yield from _outcomes(contents, there)
+
+
+def _tensors(contents: Contents) -> Iterator[Finding]:
+    """Features of more dimensions than one, element by element."""
+    for key, feature in contents.features.items():
+        if feature.get("dtype") in NOT_NUMBERS or len(shape_of(feature)) < 2:
+            continue
+        column = contents.table([key])[key].combine_chunks()
+        count = len(column)
+        while isinstance(column, pa.ExtensionArray):
+            column = column.storage
+        while pa.types.is_nested(column.type) and not pa.types.is_struct(column.type):
+            column = column.flatten()
+        if not (pa.types.is_floating(column.type) and len(column)):
+            continue
+        bad = ~np.isfinite(column.to_numpy(zero_copy_only=False))
+        if bad.any() and len(bad) % count == 0:
+            at, places = first(bad.reshape(count, -1).any(axis=1))
+            yield Finding("not-finite", "NaN or infinite", **contents.place(at), column=key,
+                          expected="finite numbers", places=places)  # fmt: skip
 
 
 def _names(feature: dict[str, Any], key: str, size: int) -> list[str]:
@@ -124,9 +148,15 @@ def _outcomes(contents: Contents, there: Runs) -> Iterator[Finding]:
         any_success = np.logical_or.reduceat(
             contents.column(SUCCESS).astype(bool).ravel(), there.start
         )
-        if not any_success.any():
+        failed = ~any_success
+        if failed.all():
             yield Finding("success", "no successful episode", "warning", "data", column=SUCCESS,
                           found=f"0 of {len(any_success)}")  # fmt: skip
+        elif 0 < failed.mean() <= SELDOM:
+            at, places = first(failed)
+            yield Finding("success", "fails, as hardly any other episode does", "warning",
+                          **contents.place(int(there.start[at])), column=SUCCESS,
+                          found=f"{failed.sum()} of {len(failed)}", places=places)  # fmt: skip
         said = _said(contents)
         if len(said) == len(any_success):
             wrong = np.array(

@@ -12,6 +12,10 @@ from lfr.curation.features import names_of, settings_of, shape_of
 from lfr.curation.finding import Finding, first
 from lfr.curation.mp4 import BrokenVideoError, VideoHeader, read_header
 
+ENCODERS = {"libsvtav1": "av1", "libaom-av1": "av1", "libx264": "h264", "avc1": "h264",
+            "h265": "hevc", "libx265": "hevc"}  # fmt: skip
+"""What info.json may call a codec besides its name."""
+
 
 def check_videos(contents: Contents) -> Iterator[Finding]:
     """Every camera's files, by their headers alone: no frame is decoded."""
@@ -51,6 +55,12 @@ def _format(contents: Contents, key: str, name: str, header: VideoHeader) -> Ite
     if None not in expected and (header.height, header.width) != expected:
         yield Finding("shape", "a video of another size than info.json says", file=name, column=key,
                       found=(header.height, header.width), expected=expected)  # fmt: skip
+    for setting, said in (("video.codec", header.codec), ("video.pix_fmt", header.pixels)):
+        told = settings_of(feature).get(setting)
+        told = ENCODERS.get(told, told) if isinstance(told, str) else None
+        if told is not None and said is not None and told != said:
+            yield Finding("format", "a video in another format than info.json says", "warning",
+                          name, column=f"{key}: {setting}", found=said, expected=told)  # fmt: skip
     fps = settings_of(feature).get("video.fps")
     if fps is not None and fps != contents.fps:
         yield Finding("fps", "a video at another rate than the rows", file="meta/info.json",

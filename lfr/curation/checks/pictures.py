@@ -1,0 +1,402 @@
+"""What videos show, decoded: frozen, black, noisy, blurred, turned, of another episode or time.
+
+Nothing of it is wrong by a rule but a frame that cannot be decoded: an episode's pictures are
+compared with the other episodes' of the same camera, and with the robot's motion.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cached_property, partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lfr.curation.checks.behaviour.signals import Signal, signals, stretches, warning
+from lfr.curation.contents import Contents, Runs, runs
+from lfr.curation.finding import Finding
+from lfr.data.episode import ACTION
+
+SIZE, COARSE = 48, 12  # pixels of the small pictures that are compared, and of coarse ones
+CROP = 192  # pixels of the middle, whose finest detail is measured
+DARK, FLAT = 0.03, 0.01  # of white: mean and spread of a picture that shows nothing
+LONG = 1.0  # seconds that something must last
+FROZEN, SURELY = 0.1, 2.5  # times the change that is usual while the robot moves, and times that
+FROZEN_LONG = 2.0  # times `LONG`, where the pictures do not catch up after it
+NEAREST, KNOWN = 7, 5_000  # pictures with the robot nearly there, among so many of all
+SHARPER, BLURRED = 3.0, 0.4  # times the finest detail of the median episode
+STEADY = 0.8  # correlation of episodes' mean pictures, of a camera that stands still
+OTHER_VIEW = 0.5  # the same of an episode from elsewhere
+COLOURED = 0.4  # correlation of where their red is more than their blue
+TURNED = 0.1  # better correlation of the turned picture
+SAME = 0.1  # times the difference that nearest episodes have
+COMPARED = 8  # pictures at an episode's beginning that are compared with other episodes'
+LAG, LONGEST_LAG = 0.25, 1.0  # seconds that pictures may be beside the rows, and that are tried
+MOST_PRODUCTS = 16  # dimensions of a state, of which all products explain a picture
+MOMENTS = 6
+BETTER = (2.0, 1.35)  # times, that they then must be better explained: by moments, or by pixels
+
+Picture = NDArray[np.float32]
+TURNS = {
+    "upside down": lambda picture: picture[::-1, ::-1],
+    "mirrored": lambda picture: picture[:, ::-1],
+    "flipped": lambda picture: picture[::-1],
+}
+
+
+@dataclass
+class Seen:
+    """What an episode's decoded pictures come to.
+
+    Attributes:
+        rows: (F,) of the dataset, of each picture.
+        mean, spread: (F,) of its brightness, white is 1.
+        detail: (F,) its finest.
+        change: (F,) how far it is from the picture before; 0 for the first.
+        coarse: (F, COARSE^2) its brightness.
+        first: the small pictures of its beginning.
+        total: (SIZE, SIZE, 3), the sum of its small pictures.
+    """
+
+    rows: list[int] = field(default_factory=list)
+    mean: list[float] = field(default_factory=list)
+    spread: list[float] = field(default_factory=list)
+    detail: list[float] = field(default_factory=list)
+    change: list[float] = field(default_factory=list)
+    coarse: list[Picture] = field(default_factory=list)
+    first: list[Picture] = field(default_factory=list)
+    total: Any = 0.0
+    _last: Picture | None = None
+
+    def add(self, row: int, frame: Any) -> None:
+        """Take in the picture of a row: an `av.VideoFrame`."""
+        small = frame.reformat(SIZE, SIZE, "rgb24", interpolation="AREA").to_ndarray()
+        small = small.astype(np.float32) / 255
+        self.rows.append(row)
+        self.mean.append(float(small.mean()))
+        self.spread.append(float(small.std()))
+        self.detail.append(_detail(frame.to_ndarray(format="gray")))
+        self.change.append(0.0 if self._last is None else float(np.abs(small - self._last).mean()))
+        part = SIZE // COARSE
+        blocks = small.mean(axis=-1).reshape(COARSE, part, COARSE, part)
+        self.coarse.append(blocks.mean(axis=(1, 3)).ravel())
+        if len(self.first) < COMPARED:
+            self.first.append(small)
+        self.total = self.total + small
+        self._last = small
+
+    @cached_property
+    def picture(self) -> Picture:
+        """The mean picture."""
+        return self.total / len(self.rows)
+
+
+def check_pictures(contents: Contents, stride: int = 2) -> Iterator[Finding]:
+    """Every camera's pictures.
+
+    Args:
+        stride: every how many frames one is looked at.
+    """
+    there = runs(contents)
+    robot = [one for one in signals(contents) if one.key in (ACTION, "observation.state")]
+    for key in contents.pictures():
+        seen: dict[int, Seen] = {}
+        yield from _decode(contents, key, there, stride, seen)
+        if seen:
+            yield from _judge(contents, key, there, robot, seen, stride)
+
+
+def _judge(
+    contents: Contents, key: str, there: Runs, robot: list[Signal], seen: dict[int, Seen],
+    stride: int,
+) -> Iterator[Finding]:  # fmt: skip
+    least = max(int(LONG * contents.fps / stride), 2)
+    state = next((one for one in robot if one.key == "observation.state"), None)
+    checks = (
+        partial(_nothing, least=least), _sharpness, _views,
+        _copies, partial(_frozen, state=state, least=least),
+        partial(_shifted, state=state, stride=stride),
+    )  # fmt: skip
+    for check in checks:  # of an episode that is odd already nothing more is asked
+        for finding in list(check(contents, key, there, seen)):
+            seen.pop(_place(there, finding), None)
+            yield finding
+
+
+def _decode(
+    contents: Contents, key: str, there: Runs, stride: int, seen: dict[int, Seen]
+) -> Iterator[Finding]:
+    """Fill ``seen`` by the places of the episodes; findings are of files that do not decode."""
+    import av
+    from av.error import FFmpegError
+
+    prefix = f"videos/{key}/"
+    chunk, number, start = (
+        contents.episode_column(prefix + name)
+        for name in ("chunk_index", "file_index", "from_timestamp")
+    )
+    for c, f in sorted(set(zip(chunk.tolist(), number.tolist(), strict=True))):
+        name = contents.named("video_path", video_key=key, chunk_index=c, file_index=f)
+        of_file = np.flatnonzero((chunk == c) & (number == f))
+        of_file = of_file[of_file < len(there.start)]
+        frames = np.rint(start[of_file] * contents.fps).astype(int)
+        where: dict[str, Any] = {"file": name, "column": key}
+        expected = int((frames + there.length[of_file]).max()) if len(of_file) else 0
+        decoded = 0
+        try:
+            with av.open(str(contents.path / name)) as container:
+                stream = container.streams.video[0]
+                stream.thread_type = "AUTO"
+                # strict: a damaged frame is an error, not one that is made up
+                stream.codec_context.options = {"err_detect": "explode"}
+                for frame in container.decode(stream):
+                    at = decoded
+                    decoded += 1
+                    if frame.is_corrupt:
+                        yield Finding("damaged-picture", "a frame that is damaged", **where,
+                                      found=f"frame {at}")  # fmt: skip
+                    inside = np.flatnonzero((frames <= at) & (at < frames + there.length[of_file]))
+                    if not len(inside):
+                        continue
+                    episode = int(of_file[inside[0]])
+                    offset = at - int(frames[inside[0]])
+                    if offset % stride == 0:
+                        row = int(there.start[episode]) + offset
+                        seen.setdefault(episode, Seen()).add(row, frame)
+        except (FFmpegError, OSError, IndexError) as error:
+            yield Finding("damaged-picture", "a video that cannot be decoded", **where,
+                          found=f"{type(error).__name__} after frame {decoded - 1}")  # fmt: skip
+            continue
+        if decoded < expected:
+            yield Finding("damaged-picture", "frames that cannot be decoded", **where,
+                          found=decoded, expected=expected)  # fmt: skip
+
+
+def _nothing(
+    contents: Contents, key: str, there: Runs, seen: dict[int, Seen], least: int
+) -> Iterator[Finding]:
+    """Pictures of one colour, for a second or more."""
+    for episode, one in seen.items():
+        mean, spread = np.array(one.mean), np.array(one.spread)
+        for mask, what in (
+            ((mean < DARK) & (spread < DARK), "black"), ((spread < FLAT) & (mean >= DARK), "blank"),
+        ):  # fmt: skip
+            start, length = stretches(mask)
+            for first, count in zip(start, length, strict=True):
+                if count >= min(least, len(mask)):
+                    yield warning(
+                        contents, there, episode, "blank-picture", f"pictures that are {what}",
+                        column=key, first=one.rows[first], last=one.rows[first + count - 1],
+                        found=f"{100 * mean[first : first + count].mean():.0f} % of white",
+                    )  # fmt: skip
+
+
+def _sharpness(
+    contents: Contents, key: str, there: Runs, seen: dict[int, Seen]
+) -> Iterator[Finding]:
+    """Episodes with much more or much less of the finest detail."""
+    detail = {episode: float(np.median(one.detail)) for episode, one in seen.items()}
+    usual = float(np.median(list(detail.values()))) if len(detail) > 2 else 0.0
+    for episode, found in detail.items():
+        if not usual or BLURRED * usual <= found <= SHARPER * usual:
+            continue
+        check, what = "noisy-picture", "more detail than in other episodes: noise?"
+        if found < usual:
+            check, what = "blurred-picture", "less detail than in other episodes: blurred?"
+        yield warning(
+            contents, there, episode, check, f"much {what}", column=key,
+            found=f"{found / usual:.2g} times the median episode's",
+        )  # fmt: skip
+
+
+def _views(contents: Contents, key: str, there: Runs, seen: dict[int, Seen]) -> Iterator[Finding]:
+    """Episodes whose mean picture is not the camera's: turned, other colours, another view."""
+    if len(seen) < 3:
+        return
+    usual = np.median(np.stack([one.picture for one in seen.values()]), axis=0)
+    alike = {e: _correlation(_gray(one.picture), _gray(usual)) for e, one in seen.items()}
+    colour = {e: _correlation(_redness(one.picture), _redness(usual)) for e, one in seen.items()}
+    if np.median(list(alike.values())) < STEADY:
+        return  # a camera that moves
+    usual_colour = float(np.median(list(colour.values())))
+    for episode, one in seen.items():
+        turned = {n: _correlation(_gray(t(one.picture)), _gray(usual)) for n, t in TURNS.items()}
+        name = max(turned, key=lambda which: turned[which])
+        if turned[name] > alike[episode] + TURNED:
+            what = f"the picture is {name}"
+        elif usual_colour > COLOURED and colour[episode] < -0.5 * usual_colour:
+            what = "red and blue are swapped: another order of colour channels"
+        elif alike[episode] < OTHER_VIEW:
+            what = "another view than the other episodes'"
+        else:
+            continue
+        yield warning(
+            contents, there, episode, "view", what, column=key,
+            found=f"correlation {alike[episode]:.2f} with the camera's mean picture",
+            expected=f"{np.median(list(alike.values())):.2f}",
+        )  # fmt: skip
+
+
+def _frozen(
+    contents: Contents, key: str, there: Runs, seen: dict[int, Seen], state: Signal | None,
+    least: int,
+) -> Iterator[Finding]:  # fmt: skip
+    """Pictures that stay where those of other episodes, with the robot there, change."""
+    if state is None or not state.moving.any() or len(seen) < 3:
+        return
+    places = state.values[:, state.moving] / state.spread[state.moving]
+    speed = (state.steps[:, state.moving] / state.spread[state.moving]).max(axis=1)
+    moving = speed > 0.2 * np.median(speed)
+    rows = np.concatenate([one.rows[1:] for one in seen.values()])
+    change = np.concatenate([one.change[1:] for one in seen.values()])
+    rows, change = rows[moving[rows]], change[moving[rows]]
+    if not len(rows) or not np.median(change):
+        return
+    usual = float(np.median(change))
+    threshold = FROZEN * usual
+    some = np.random.default_rng(0).permutation(len(rows))[:KNOWN]
+    rows, change = rows[some], change[some]
+    for episode, one in seen.items():
+        own = np.array(one.rows)
+        still = np.array(one.change) < threshold
+        still[0] = False
+        others = (rows < own[0]) | (rows > own[-1])
+        for first, count in zip(*stretches(still), strict=True):
+            of = own[first : first + count][moving[own[first : first + count]]]
+            if len(of) < least or others.sum() < NEAREST:
+                continue
+            apart = np.abs(places[of][:, None] - places[rows[others]]).mean(axis=-1)
+            near = np.argpartition(apart, NEAREST - 1, axis=1)[:, :NEAREST]
+            # A robot that is out of sight comes into it little by little; a camera catches up.
+            caught_up = first + count < len(one.change) and one.change[first + count] > usual
+            near = change[others][near]
+            there_change = np.median(near, axis=1) if caught_up else near.min(axis=1)
+            expected = there_change > SURELY * threshold
+            if expected.sum() >= least * (1.0 if caught_up else FROZEN_LONG):
+                begin, end = of[expected][[0, -1]]
+                yield warning(
+                    contents, there, episode, "frozen-picture",
+                    "stays where other episodes' pictures change", column=key, first=begin,
+                    last=end, found=f"{(end - begin + 1) / contents.fps:.1f} s",
+                )  # fmt: skip
+                break
+
+
+def _copies(contents: Contents, key: str, there: Runs, seen: dict[int, Seen]) -> Iterator[Finding]:
+    """Episodes that show another one's pictures."""
+    long = {episode: one for episode, one in seen.items() if len(one.first) == COMPARED}
+    if len(long) < 4:
+        return
+    episodes = list(long)
+    pictures = np.stack([np.stack(one.first).ravel() for one in long.values()])
+    squares = (pictures**2).sum(axis=1)
+    apart = np.sqrt(np.maximum(squares[:, None] + squares - 2 * pictures @ pictures.T, 0))
+    np.fill_diagonal(apart, np.inf)
+    nearest = apart.min(axis=1)
+    usual = float(np.median(nearest))
+    for place in np.flatnonzero(nearest < SAME * usual):
+        other = int(apart[place].argmin())
+        yield warning(
+            contents, there, episodes[place], "other-pictures", "a video that is another episode's",
+            column=key, found=f"those of episode {int(there.episode[episodes[other]])}",
+        )  # fmt: skip
+
+
+def _shifted(
+    contents: Contents, key: str, there: Runs, seen: dict[int, Seen], state: Signal | None,
+    stride: int,
+) -> Iterator[Finding]:  # fmt: skip
+    """Pictures that show where the robot was, or will be, by what they show in most episodes.
+
+    What pictures show, and where how much is going on in them, is explained by the robot's state,
+    by least squares over all episodes; of late ones, by the state of some rows before.
+    """
+    if state is None or not state.moving.any() or len(seen) < 5:
+        return
+    rows = np.concatenate([one.rows for one in seen.values()])
+    shown = np.concatenate([one.coarse for one in seen.values()])
+    apart = shown - np.median(shown, axis=0)
+    explained = np.concatenate([_moments(np.abs(apart)), apart], axis=1)
+    features = _features(state)
+    some = np.random.default_rng(0).permutation(len(rows))[: 4 * KNOWN]
+    x = features[rows[some]]
+    weights = np.linalg.solve(x.T @ x + 1e-3 * len(x) * np.eye(x.shape[1]), x.T @ explained[some])
+    expected = features @ weights
+    ends = np.cumsum([len(one.rows) for one in seen.values()])
+    most = max(int(LONGEST_LAG * contents.fps / stride), 1)
+    lags = np.arange(-most, most + 1)
+    errors = {}
+    for (episode, one), end in zip(seen.items(), ends, strict=True):
+        if len(one.rows) > 3 * most:
+            found, wanted = explained[end - len(one.rows) : end], expected[one.rows]
+            errors[episode] = np.stack([_apart(found, wanted, int(lag)) for lag in lags])
+    if len(errors) < 5:
+        return
+    usual = np.median(np.stack(list(errors.values())), axis=0).argmin(axis=0)  # (2,)
+    for episode, error in errors.items():
+        for kind, better in enumerate(BETTER):
+            best, middle = int(error[:, kind].argmin()), int(usual[kind])
+            late = abs(best - middle) * stride >= LAG * contents.fps and 0 < best < len(lags) - 1
+            if late and error[middle, kind] > better * error[best, kind]:
+                yield warning(
+                    contents, there, episode, "shifted-pictures",
+                    "the pictures are out of step with the rows: shifted", column=key,
+                    found=f"{(best - middle) * stride / contents.fps:+.2f} s",
+                )  # fmt: skip
+                break
+
+
+def _moments(changed: NDArray) -> NDArray[np.float64]:
+    """(F, MOMENTS): how much of pictures (F, COARSE^2) is unusual, and where; standardised."""
+    y, x = np.mgrid[-1 : 1 : COARSE * 1j, -1 : 1 : COARSE * 1j].reshape(2, -1)
+    moments = changed @ np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=1)
+    return (moments - moments.mean(axis=0)) / np.maximum(moments.std(axis=0), 1e-9)
+
+
+def _features(state: Signal) -> NDArray[np.float64]:
+    """(N, K) of the state: 1, itself, and its products."""
+    x = state.values[:, state.moving].astype(np.float64)
+    x = (x - x.mean(axis=0)) / np.maximum(x.std(axis=0), 1e-12)
+    count = x.shape[1]
+    pairs = np.triu_indices(count) if count <= MOST_PRODUCTS else (np.arange(count),) * 2
+    return np.concatenate([np.ones((len(x), 1)), x, x[:, pairs[0]] * x[:, pairs[1]]], axis=1)
+
+
+def _apart(found: NDArray, wanted: NDArray, lag: int) -> NDArray[np.float64]:
+    """(2,): how far pictures are from those expected ``lag`` before, by moments and by pixels."""
+    if lag > 0:
+        found, wanted = found[lag:], wanted[:-lag]
+    elif lag < 0:
+        found, wanted = found[:lag], wanted[-lag:]
+    squares = np.square(found - wanted).mean(axis=0)
+    return np.array([squares[:MOMENTS].mean(), squares[MOMENTS:].mean()])
+
+
+def _correlation(first: NDArray, second: NDArray) -> float:
+    a, b = first - first.mean(), second - second.mean()
+    scale = float(np.sqrt((a**2).sum() * (b**2).sum()))
+    return float((a * b).sum()) / scale if scale > 0 else 0.0
+
+
+def _gray(picture: Picture) -> Picture:
+    return picture.mean(axis=-1)
+
+
+def _redness(picture: Picture) -> Picture:
+    return picture[..., 0] - picture[..., 2]
+
+
+def _place(there: Runs, finding: Finding) -> int:
+    """Which of the runs of rows a finding is about."""
+    return int(np.searchsorted(there.start, finding.row or 0, side="right")) - 1
+
+
+def _detail(gray: NDArray[np.uint8]) -> float:
+    """The mean of a Laplacian over the middle of a picture, white is 1."""
+    height, width = gray.shape
+    top, left = max((height - CROP) // 2, 0), max((width - CROP) // 2, 0)
+    g = gray[top : top + CROP, left : left + CROP].astype(np.float32) / 255
+    around = g[:-2, 1:-1] + g[2:, 1:-1] + g[1:-1, :-2] + g[1:-1, 2:]
+    return float(np.abs(4 * g[1:-1, 1:-1] - around).mean())
