@@ -142,7 +142,8 @@ def test_commands_name_what_there_is(document: Path) -> None:
         if line.startswith("make "):
             assert line.split()[1] in targets
     for module in re.findall(r"python -m ((?:lfr|pipeline|studies|benchmarks)\.[\w.]*\w)", text):
-        assert (ROOT / module.replace(".", "/")).with_suffix(".py").is_file(), module
+        place = ROOT / module.replace(".", "/")
+        assert place.with_suffix(".py").is_file() or (place / "__main__.py").is_file(), module
     for path in FILE.findall(text):
         assert (ROOT / path).is_file(), path
 
@@ -231,9 +232,11 @@ def test_method_names_every_link_of_the_chain() -> None:
 def test_trust_names_every_kind_of_finding() -> None:
     from lfr.curation.verify import CHECKS
     from tests.curation.broken import BROKEN
+    from tests.curation.test_behaviour import FAULTS, PICTURES
 
     text = (ROOT / "docs" / "trust.md").read_text()
-    kinds = {check for _, check, _, _ in BROKEN.values()} | {"averaged-quantiles"}
+    kinds = {check for _, check, _, _ in BROKEN.values()} | {"averaged-quantiles", "format"}
+    kinds |= {check for _, check, _ in (*FAULTS.values(), *PICTURES.values())}
     assert len(CHECKS) <= len(kinds)
     assert [kind for kind in sorted(kinds) if f"`{kind}`" not in text] == []
 

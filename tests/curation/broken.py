@@ -228,6 +228,13 @@ BROKEN: dict[str, tuple[Break, str, str, str]] = {
                               r"found \(64, 64\), expected \(32, 64\)"),
     "another rate than its info": (feature(CAMERA, info={"video.fps": 30}), "fps", "error",
                                    "found 30, expected 20"),
+    "no robot": (json_of("meta/info.json", lambda i: i.pop("robot_type")), "info", "warning",
+                 "no robot_type"),
+    "a link out": (lambda d: (d / DATA).rename(d.parent / "elsewhere.parquet")
+                   and (d / DATA).symlink_to((d.parent / "elsewhere.parquet").resolve()),
+                   "link", "warning", f"{DATA}, found .*elsewhere.parquet"),
+    "another codec": (feature(CAMERA, info={"video.codec": "h264"}), "format", "warning",
+                      "video.codec, found av1, expected h264"),
     # counts
     "frames miscounted": (info(total_frames=50), "counts", "error",
                           "total_frames, found 50, expected 55"),
@@ -269,6 +276,10 @@ BROKEN: dict[str, tuple[Break, str, str, str]] = {
                 "gap-in-time", "error", "drifts"),
     "another fps": (info(fps=30), "fps", "error", "column fps, found 20, expected 30"),
     "a task without words": (put(DATA, "task_index", 5, 4), "tasks", "error", "row 5, found 4"),
+    "empty words": (column(TASKS, "task", lambda v: v.__setitem__(0, " ")), "tasks", "warning",
+                    "no words.*task 0"),
+    "control characters": (column(TASKS, "task", lambda v: v.__setitem__(0, "a\x1b[2Jb")), "tasks",
+                           "warning", "control characters"),
     "other tasks": (put(EPISODES, "tasks", 3, ["Dance."]), "tasks", "error",
                     r"episode 3, column tasks, found \['Dance.'\], expected \['Lift the cube.'\]"),
     # values
