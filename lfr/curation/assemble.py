@@ -99,7 +99,7 @@ def _write_episodes(
 ) -> None:
     """Write meta/episodes and the statistics, from the rows that have been written."""
     kept = [
-        source.contents.episodes.take(pa.array(list(source.episodes), pa.int64()))
+        source.contents.episodes.take(pa.array(list(source.positions), pa.int64()))
         for source in sources
     ]
     with unreadable("schema", "columns of other types than in another dataset", pa.ArrowException,

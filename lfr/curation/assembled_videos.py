@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lfr.curation.clips import Clip, write_clip
-from lfr.curation.features import settings_of
 from lfr.curation.finding import readable
 from lfr.curation.parts import Source, files_per_chunk, new_file
+from lfr.data.features import settings_of
 
 
 def write_videos(
@@ -70,12 +70,12 @@ def _clips(sources: Sequence[Source], key: str) -> Iterator[Clip]:
     for source in sources:
         contents = source.contents
         with readable(source.path):
-            chunk, file, start = (
-                contents.episode_column(f"videos/{key}/{name}")
-                for name in ("chunk_index", "file_index", "from_timestamp")
-            )
-            for episode, length in zip(source.episodes, source.lengths.tolist(), strict=True):
-                name = contents.named("video_path", video_key=key, chunk_index=int(chunk[episode]),
-                                      file_index=int(file[episode]))  # fmt: skip
-                first = round(float(start[episode]) * contents.fps)
+            prefix = f"videos/{key}"
+            chunk, file = contents.placed(prefix, source.positions)
+            start = contents.episode_column(f"{prefix}/from_timestamp", source.positions)
+            for c, f, begin, length in zip(
+                chunk.tolist(), file.tolist(), start.tolist(), source.lengths.tolist(), strict=True
+            ):
+                name = contents.named("video_path", video_key=key, chunk_index=c, file_index=f)
+                first = round(float(begin) * contents.fps)
                 yield Clip(source.path / name, first, length)

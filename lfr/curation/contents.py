@@ -14,10 +14,10 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from lfr.curation.features import shape_of
 from lfr.curation.finding import Finding, Unreadable, unreadable
 from lfr.data import tables
-from lfr.data.tables import VERSION, other_format
+from lfr.data.features import shape_of
+from lfr.data.tables import VERSION, is_older, other_format
 from lfr.errors import DataError
 
 INFO = "meta/info.json"
@@ -61,7 +61,7 @@ class Contents:
             info = json.loads(file.read_text(encoding="utf-8"))
             if not isinstance(info, dict):
                 raise ValueError(type(info).__name__)
-        if info.get("codebase_version") != VERSION:
+        if info.get("codebase_version") != VERSION or is_older(path):
             raise other_format(path, info.get("codebase_version"))
         return cls(path, info)
 
@@ -113,7 +113,7 @@ class Contents:
 
     @cached_property
     def episode_files(self) -> list[Path]:
-        return sorted((self.path / EPISODES).rglob("*.parquet"))
+        return tables.files_below(self.path / EPISODES, ".parquet")
 
     @cached_property
     def episodes(self) -> pa.Table:
@@ -131,11 +131,51 @@ class Contents:
                 )
         return table
 
-    def episode_column(self, name: str) -> NDArray:
-        """A column of meta/episodes as an array; lists of one length as (E, D)."""
+    def episode_column(self, name: str, positions: Sequence[int] | None = None) -> NDArray:
+        """A column of meta/episodes as an array; lists of one length as (E, D).
+
+        Args:
+            positions: of the rows of meta/episodes that are wanted; None are all.
+        """
+        episodes = self.episodes
+        if positions is not None:
+            episodes = episodes.take(pa.array(list(positions), pa.int64()))
+        if name not in episodes.column_names:
+            raise Unreadable(Finding("schema", "a column is missing", file=EPISODES, column=name))
         with unreadable("schema", "gaps or mixed shapes", TypeError, ValueError, KeyError,
                         file=EPISODES, column=name):  # fmt: skip
-            return tables.values(self.episodes, name)
+            return tables.values(episodes, name)
+
+    def placed(
+        self, prefix: str, positions: Sequence[int] | None = None
+    ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """chunk_index and file_index of the episodes' rows ("data") or pictures
+        ("videos/<feature>").
+
+        Raises:
+            Unreadable: meta/episodes does not say it of one; the finding names it.
+        """
+        episodes = self.episodes
+        if positions is not None:
+            episodes = episodes.take(pa.array(list(positions), pa.int64()))
+        found = []
+        for name in ("chunk_index", "file_index"):
+            column = f"{prefix}/{name}"
+            where: dict[str, Any] = {"file": EPISODES, "column": column}
+            what = "does not say in which file an episode lies"
+            if column not in episodes.column_names:
+                raise Unreadable(Finding("placement", what, found="no such column", **where))
+            values = episodes[column].to_pylist()
+            wrong = [i for i, v in enumerate(values)
+                     if not isinstance(v, int | float) or v != v or v != int(v)]  # fmt: skip
+            if wrong:
+                raise Unreadable(
+                    Finding("placement", what, episode=episodes["episode_index"][wrong[0]].as_py(),
+                            found=str(values[wrong[0]]), expected="a whole number",
+                            places=len(wrong), **where)
+                )  # fmt: skip
+            found.append(np.array(values, np.int64))
+        return found[0], found[1]
 
     @cached_property
     def lengths(self) -> NDArray[np.int64]:
@@ -145,7 +185,7 @@ class Contents:
     @cached_property
     def data_files(self) -> list[Path]:
         """The Parquet files of rows, in the order of their names."""
-        return sorted((self.path / "data").rglob("*.parquet"))
+        return tables.files_below(self.path / "data", ".parquet")
 
     @cached_property
     def data(self) -> list[pq.ParquetFile]:

@@ -22,12 +22,12 @@ def delete_episodes(path: Path, episodes: Sequence[int], out: Path) -> Counts:
         DataError: an episode is not there, or nothing is left; see `assemble`.
         LfrError: there is something at `out`.
     """
-    known = _count(path)
+    known = _known(path)
     for episode in episodes:
-        if not 0 <= episode < known:
-            raise DataError("no such episode", file=path, episode=episode,
-                            expected=f"0 to {known - 1}")  # fmt: skip
-    kept = [episode for episode in range(known) if episode not in set(episodes)]
+        if episode not in known:
+            there = f"{min(known)} to {max(known)}" if known else "none"
+            raise DataError("no such episode", file=path, episode=episode, expected=there)
+    kept = [episode for episode in known if episode not in set(episodes)]
     return _one([Part(path, kept)], out)
 
 
@@ -69,7 +69,7 @@ def merge_datasets(paths: Sequence[Path], out: Path) -> Counts:
     for path, place in zip(paths, places, strict=True):
         if places.count(place) > 1:
             raise LfrError(f"found {path} twice; expected each dataset once")
-    return _one([Part(path, range(_count(path))) for path in paths], out)
+    return _one([Part(path, _known(path)) for path in paths], out)
 
 
 def parse_episodes(text: str, path: Path) -> list[int]:
@@ -110,9 +110,10 @@ def parse_splits(texts: Sequence[str], path: Path) -> dict[str, list[int]]:
         raise LfrError(f"parts: found {' '.join(texts)!r}, expected fractions") from None
     if sum(fractions.values()) > 1 + 1e-9 or not all(f > 0 for f in fractions.values()):
         raise LfrError(f"parts: fractions of {sum(fractions.values()):g} in all, expected 1")
-    known, done, splits = _count(path), 0.0, {}
+    known, done, splits = _known(path), 0.0, {}
+    count = len(known)
     for name, fraction in fractions.items():
-        splits[name] = list(range(round(done * known), round((done + fraction) * known)))
+        splits[name] = known[round(done * count) : round((done + fraction) * count)]
         done += fraction
     return splits
 
@@ -128,6 +129,7 @@ def _free(out: Path) -> None:
         raise LfrError(f"{out} is there already; expected a new folder")
 
 
-def _count(path: Path) -> int:
+def _known(path: Path) -> list[int]:
+    """The episodes there are, by their index."""
     with readable(path):
-        return len(Contents.open(path).episodes)
+        return Contents.open(path).episode_column("episode_index").tolist()

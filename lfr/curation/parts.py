@@ -27,22 +27,31 @@ class Part:
 
 @dataclass(frozen=True)
 class Source:
-    """A part whose dataset has been opened."""
+    """A part whose dataset has been opened.
+
+    Attributes:
+        episodes: by their index, episode_index.
+        positions: which rows of meta/episodes these are: where an episode has been taken out by
+            hand, others than their indices.
+    """
 
     contents: Contents
     episodes: Sequence[int]
+    positions: Sequence[int]
 
     @classmethod
     def open(cls, part: Part) -> Source:
         """Raises DataError where there is no such dataset, or no such episode in it."""
         with readable(part.path):
             contents = Contents.open(part.path)
-            known = len(contents.episodes)
-        outside = [episode for episode in part.episodes if not 0 <= episode < known]
+            known = contents.episode_column("episode_index").tolist()
+        position = dict(zip(known, range(len(known)), strict=True))
+        outside = [episode for episode in part.episodes if episode not in position]
         if outside:
+            expected = f"{min(known)} to {max(known)}" if known else "none"
             raise DataError("no such episode", file=part.path, episode=outside[0],
-                            expected=f"0 to {known - 1}")  # fmt: skip
-        return cls(contents, part.episodes)
+                            expected=expected)  # fmt: skip
+        return cls(contents, part.episodes, [position[episode] for episode in part.episodes])
 
     @property
     def path(self) -> Path:
@@ -51,7 +60,7 @@ class Source:
     @property
     def lengths(self) -> NDArray[np.int64]:
         """(E,) rows of the episodes that are wanted."""
-        return self.contents.lengths[list(self.episodes)]
+        return self.contents.lengths[list(self.positions)]
 
 
 def open_parts(parts: Iterable[Part]) -> list[Source]:

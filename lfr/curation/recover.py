@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 from collections import Counter, defaultdict
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -40,6 +41,8 @@ class Recovery:
         outcome_missing: whether the recorder's own word on the outcome is lost.
         damaged, unread: chunks with a wrong checksum; bytes after the last whole record.
         suspect: whether metadata, which has no checksum of its own, may have changed.
+        nameless: messages dropped since it is lost what they are; lost_topics: their topics, as
+            far as these are known.
     """
 
     source: Path
@@ -53,6 +56,8 @@ class Recovery:
     damaged: int = 0
     unread: int = 0
     suspect: bool = False
+    nameless: int = 0
+    lost_topics: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         if self.mended is None:
@@ -69,6 +74,9 @@ class Recovery:
             lines.append(f"lost: {self.dropped} messages of incomplete frames, or after a gap")
         if self.damaged:
             lines.append(f"lost: {self.damaged} damaged chunks")
+        if self.nameless:
+            of = f" of {', '.join(self.lost_topics)}" if self.lost_topics else ""
+            lines.append(f"lost: {self.nameless} messages{of}, whose schema or channel is lost")
         if self.unread:
             lines.append(f"lost: {self.unread} bytes after the last whole record")
         if self.suspect:
@@ -85,15 +93,17 @@ def recover(log: Path) -> Recovery:
         DataError: it is no MCAP file, holds no whole message, or was recovered before.
     """
     log = Path(log)
-    try:
-        with open_whole(log) as reader:
-            count = sum(1 for _ in reader.iter_messages(log_time_order=False))
-        return Recovery(log, None, count)
-    except DataError:
-        pass  # cut off or damaged, or there is none, which salvage says
+    count: int | None = None
+    # an error is of what is cut off or damaged, or there is none, which salvage says
+    with suppress(DataError), open_whole(log) as reader:
+        count = sum(1 for _ in reader.iter_messages(log_time_order=False))
     saved = salvage(log)
+    if count is not None and not (saved.damaged or saved.nameless):
+        return Recovery(log, None, count)
     if not saved.messages:
-        raise DataError("nothing to recover: no whole message", file=log)
+        of = f" of {', '.join(saved.lost_topics)}" if saved.lost_topics else ""
+        found = f"{saved.nameless} messages{of}, whose schema is lost" if saved.nameless else None
+        raise DataError("nothing to recover: no whole message", file=log, found=found)
     mended = log.with_name(log.name.removesuffix(".partial").removesuffix(".mcap")
                            + ".recovered.mcap")  # fmt: skip
     if mended.exists():
@@ -116,7 +126,7 @@ def recover(log: Path) -> Recovery:
     return Recovery(
         log, mended, len(kept), len(saved.messages) - len(kept), frames,
         (max(times) - min(times)) / 1e9, said, ours and said is None, saved.damaged, saved.unread,
-        saved.suspect,
+        saved.suspect, saved.nameless, saved.lost_topics,
     )  # fmt: skip
 
 

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import struct
 import zlib
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from mcap.exceptions import McapError
 from mcap.records import (
     Attachment,
     Channel,
@@ -21,14 +19,9 @@ from mcap.records import (
     Schema,
 )
 from mcap.stream_reader import StreamReader, breakup_chunk
-from zstandard import ZstdError
 
-from lfr.data.mcap_file import MAGIC
+from lfr.data.mcap_file import DAMAGE, MAGIC
 from lfr.errors import DataError
-
-# RuntimeError: of the lz4 library, whose logs others write
-_DAMAGE = (McapError, ZstdError, RuntimeError, struct.error, ValueError, EOFError, MemoryError,
-           KeyError)  # fmt: skip
 
 
 @dataclass
@@ -37,7 +30,10 @@ class Salvage:
 
     `damaged` counts chunks that are there but not what their checksum says, `unread` is the number
     of bytes after the last whole record, `finished` whether the file's end is there, `suspect`
-    whether its checksum says that something outside the chunks, as metadata is, has changed.
+    whether its checksum says that something outside the chunks, as metadata is, has changed. A
+    message whose channel or schema is lost, with the chunk that held it and with the summary, is
+    not among the messages: `nameless` counts these, and `lost_topics` are those of which the
+    channel is known.
     """
 
     profile: str = ""
@@ -50,6 +46,8 @@ class Salvage:
     unread: int = 0
     finished: bool = False
     suspect: bool = False
+    nameless: int = 0
+    lost_topics: tuple[str, ...] = ()
 
     def record(self, name: str) -> dict[str, str] | None:
         found = (dict(m.metadata) for m in self.metadata if m.name == name)
@@ -78,7 +76,7 @@ def salvage(log: Path) -> Salvage:
             except StopIteration:
                 saved.finished = True
                 break
-            except _DAMAGE:
+            except DAMAGE:
                 break
             if isinstance(record, DataEnd) and record.data_section_crc and not saved.damaged:
                 saved.suspect = _crc(log, good) != record.data_section_crc
@@ -86,7 +84,23 @@ def salvage(log: Path) -> Salvage:
             for part in _parts(record, saved):
                 _keep(part, saved)
         saved.unread = 0 if saved.finished else size - good
+    _settle(saved)
     return saved
+
+
+def _settle(saved: Salvage) -> None:
+    """Keep the messages of which it is known what they are, as the summary may have said last."""
+    known = {
+        id
+        for id, channel in saved.channels.items()
+        if channel.schema_id == 0 or channel.schema_id in saved.schemas
+    }
+    lost = [message for message in saved.messages if message.channel_id not in known]
+    if lost:
+        saved.messages = [message for message in saved.messages if message.channel_id in known]
+        saved.nameless = len(lost)
+        ids = {message.channel_id for message in lost} & saved.channels.keys()
+        saved.lost_topics = tuple(sorted(saved.channels[id].topic for id in ids))
 
 
 def _crc(log: Path, size: int) -> int:
@@ -98,7 +112,7 @@ def _parts(record: McapRecord, saved: Salvage) -> Iterable[McapRecord]:
         return [record]
     try:
         return breakup_chunk(record, validate_crc=True)
-    except _DAMAGE:
+    except DAMAGE:
         saved.damaged += 1
         return []
 
@@ -111,7 +125,7 @@ def _keep(record: McapRecord, saved: Salvage) -> None:
             saved.schemas.setdefault(record.id, record)
         case Channel():
             saved.channels.setdefault(record.id, record)
-        case Message() if record.channel_id in saved.channels:
+        case Message():
             saved.messages.append(record)
         case Metadata():
             saved.metadata.append(record)

@@ -20,7 +20,7 @@ def check_dataset(
     path: Path,
     *,
     features: Mapping[str, Feature] | None = None,
-    fps: int | None = None,
+    fps: float | None = None,
     robot: str | None = None,
     task: str | None = None,
 ) -> None:

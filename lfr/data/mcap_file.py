@@ -17,6 +17,11 @@ from zstandard import ZstdError
 
 from lfr.errors import DataError
 
+DAMAGE = (McapError, ZstdError, RuntimeError, struct.error, ValueError, EOFError, MemoryError,
+          KeyError)  # fmt: skip
+"""What reading a damaged file raises: its checksums; RuntimeError the lz4 library; KeyError a
+message of a channel or schema that is not there; the rest, lengths and text without a checksum."""
+
 MAGIC = b"\x89MCAP0\r\n"
 _SCHEMA, _CHANNEL = 0x03, 0x04
 _DATA_END = struct.Struct("<BQI")  # opcode, length, CRC of all before it
@@ -47,9 +52,8 @@ def open_whole(path: Path) -> Iterator[McapReader]:
         )
     try:
         _check_sums(data)
-        yield make_reader(io.BytesIO(data))
-    # struct.error, ValueError: lengths and text read from a file whose writer made no checksums
-    except (McapError, ZstdError, struct.error, ValueError) as error:
+        yield make_reader(io.BytesIO(data), validate_crcs=True)
+    except DAMAGE as error:
         raise DataError(
             "damaged MCAP file; record the episode again",
             file=path,

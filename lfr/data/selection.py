@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import groupby
-from typing import Any
 
 from lfr.columns import ActionPart, ActionSpace, Columns, Part
 from lfr.data.episode import ACTION, ENVIRONMENT_STATE, STATE
+from lfr.data.features import dimension_names
 from lfr.data.tables import DatasetFiles
 from lfr.errors import DataError, UnknownNameError
 from lfr.spaces import quantity, quantity_name
@@ -58,16 +57,6 @@ def select(files: DatasetFiles, columns: Columns) -> Selection:
         )  # fmt: skip
     action = _choose(files, columns.action)
     return Selection(observation, action, _space(files, columns.action, action))
-
-
-def dimension_names(feature: Mapping[str, Any], column: str) -> tuple[str, ...]:
-    """A feature's names, by LeRobot a list or a dict of lists; ``<column>.<number>`` without."""
-    names, size = feature.get("names"), math.prod(feature["shape"])
-    if isinstance(names, Mapping):
-        names = [name for group in names.values() for name in _listed(group)]
-    if isinstance(names, Sequence) and not isinstance(names, str) and len(names) == size:
-        return tuple(map(str, names))
-    return tuple(f"{column}.{number}" for number in range(size))
 
 
 def unreadable(names: Sequence[str]) -> tuple[str, ...]:
@@ -141,7 +130,3 @@ def _space(files: DatasetFiles, part: ActionPart, action: Chosen) -> ActionSpace
                 found=f"{low} and {high}",
             )  # fmt: skip
     return ActionSpace(action.names, *bounds)
-
-
-def _listed(group: object) -> Iterable[object]:
-    return group if isinstance(group, Sequence) and not isinstance(group, str) else (group,)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
@@ -18,6 +20,9 @@ from lfr.artifacts import read_json
 from lfr.errors import DataError
 
 VERSION = "v3.0"
+
+Row = dict[str, Any]
+"""What meta/episodes says of one episode."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +47,7 @@ class DatasetFiles:
             raise DataError("not a LeRobot dataset", file=file, found="no such file")
         info = read_json(file)
         version = info.get("codebase_version") if isinstance(info, dict) else None
-        if version != VERSION:
+        if version != VERSION or is_older(path):
             raise other_format(path, version)
         return cls(path, info)
 
@@ -52,17 +57,103 @@ class DatasetFiles:
 
     @cached_property
     def episodes(self) -> pa.Table:
-        """meta/episodes, without its statistics: one row for each episode."""
+        """meta/episodes, without its statistics: one row for each episode, in no order.
+
+        What one of its files has and another has not is missing (null) in the other's episodes.
+        """
         files = self.files("meta/episodes")
         tables = []
         for file in files:
             names = [n for n in _schema(file).names if not n.startswith("stats/")]
-            tables.append(_read(file, names))
-        table = pa.concat_tables(tables)
+            tables.append(_read(file, names).replace_schema_metadata())
+        try:
+            table = pa.concat_tables(tables, promote_options="permissive")
+        except (pa.ArrowInvalid, pa.ArrowTypeError) as error:
+            raise DataError(
+                "its files have columns of different types", file=self.path / "meta/episodes",
+                found=str(error).splitlines()[0],
+            ) from error  # fmt: skip
         for column in ("episode_index", "length"):
             if column not in table.column_names:
                 raise DataError("a column is missing", file=files[0], column=column)
         return table
+
+    def episode(self, index: int) -> Row:
+        """What meta/episodes says of the episode of this index, whichever row that is.
+
+        Raises:
+            DataError: there is no such episode.
+        """
+        known = self.episodes["episode_index"].to_pylist()
+        if index not in known:
+            expected = f"{min(known)} to {max(known)}" if known else "none"
+            raise DataError("no such episode", file=self.path, episode=index, expected=expected)
+        return self.episodes.slice(known.index(index), 1).to_pylist()[0]
+
+    def file_of(self, row: Row, prefix: str) -> Path:
+        """Where the rows or pictures of an episode lie, by its row of meta/episodes.
+
+        Args:
+            prefix: "data", or "videos/<feature>".
+
+        Raises:
+            DataError: the row does not say it, or info.json has no such path.
+        """
+        where = {}
+        for name in ("chunk_index", "file_index"):
+            column = f"{prefix}/{name}"
+            value = row.get(column)
+            if value is None or value != value or int(value) != value:
+                raise DataError(
+                    "meta/episodes does not say in which file an episode lies", file=self.path,
+                    episode=row["episode_index"], column=column,
+                    found="no such column" if column not in row else value,
+                    expected="a whole number",
+                )  # fmt: skip
+            where[name] = int(value)
+        kind, _, key = prefix.partition("/")
+        template = "data_path" if kind == "data" else "video_path"
+        try:
+            return self.path / self.info[template].format(video_key=key, **where)
+        except (KeyError, IndexError, ValueError, AttributeError, TypeError) as error:
+            raise DataError("no such path", file=self.path / "meta/info.json", column=template,
+                            found=error) from error  # fmt: skip
+
+    def number(self, row: Row, column: str) -> float:
+        """A number of meta/episodes' row of an episode.
+
+        Raises:
+            DataError: the row does not have it.
+        """
+        value = row.get(column)
+        if not isinstance(value, int | float) or value != value:
+            raise DataError(
+                "meta/episodes does not say it of an episode", file=self.path,
+                episode=row["episode_index"], column=column,
+                found="no such column" if column not in row else value, expected="a number",
+            )  # fmt: skip
+        return float(value)
+
+    def rows_of(self, row: Row) -> pa.Table:
+        """An episode's rows, from the file that meta/episodes names, or wherever else they lie.
+
+        Raises:
+            DataError: there are none; a file is missing or cut off.
+        """
+        index = row["episode_index"]
+        wanted = pc.field("episode_index") == index
+        try:
+            named = [self.file_of(row, "data")]
+        except DataError:  # then they are looked for
+            named = []
+        others = [file for file in self.files("data") if file not in named]
+        for file in (*named, *others):
+            if file in named and not file.is_file():
+                raise DataError("a file of rows is missing", file=file, episode=index)
+            table = _read(file, _schema(file).names).filter(wanted)
+            if len(table):
+                return table
+        raise DataError("an episode without rows", file=self.path / "data", episode=index)
 
     def data(self, columns: Sequence[str]) -> pa.Table:
         """The rows of all episodes.
@@ -74,7 +165,7 @@ class DatasetFiles:
 
     def files(self, folder: str) -> list[Path]:
         """The Parquet files of a folder, in order. Raises DataError when there are none."""
-        files = sorted((self.path / folder).glob("*/*.parquet"))
+        files = files_below(self.path / folder, ".parquet")
         if not files:
             raise DataError("no Parquet files; pack the logs again", file=self.path / folder)
         return files
@@ -86,8 +177,30 @@ class DatasetFiles:
         return sorted({name for name in self.episodes["task_name"].to_pylist() if name})
 
 
+def files_below(folder: Path, suffix: str) -> list[Path]:
+    """The files of a kind in a folder and below, in order; links to folders are followed."""
+    found: list[Path] = []
+    seen: set[str] = set()  # folders, so that a link to one above does not lead round and round
+    for place, folders, files in os.walk(folder, followlinks=True):
+        real = os.path.realpath(place)
+        if real in seen:
+            folders.clear()
+            continue
+        seen.add(real)
+        found += [Path(place) / name for name in files if name.endswith(suffix)]
+    return sorted(found)
+
+
+def is_older(path: Path) -> bool:
+    """Whether a dataset that calls itself v3.0 has the files of v2.1: info.json was edited."""
+    meta = path / "meta"
+    return (meta / "episodes.jsonl").is_file() and not (meta / "episodes").is_dir()
+
+
 def other_format(path: Path, version: object) -> DataError:
     """What is said of the LeRobot dataset at `path`, which is of another version than VERSION."""
+    if version == VERSION:  # what it says, and not what it is
+        version = f"{version}, and meta/episodes.jsonl of v2.1; set codebase_version to v2.1 first"
     return DataError(
         f"another LeRobot format; convert it in place with: {conversion(path)}",
         file=path / "meta" / "info.json",

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from lfr.artifacts import read_json
-from lfr.curation.features import names_of, settings_of
 from lfr.data.episode import ACTION, ENVIRONMENT_STATE, JOINT_POSITION, STATE
+from lfr.data.features import names_of, settings_of
 from lfr.data.tables import DatasetFiles
 from lfr.embodiments import known_action
 from lfr.errors import DataError, UnknownNameError

@@ -5,33 +5,34 @@ from __future__ import annotations
 import io
 from pathlib import Path
 
+from lfr.data.pictures import frames
 from lfr.data.tables import DatasetFiles
-from lfr.errors import DataError
 
 FRAMES = 4
 QUALITY = 80  # of the JPEG; 4 frames of 128 x 128 pixels take about 12 kB
 
 
 def picture(dataset: Path, camera: str) -> bytes:
-    """Frames of episode 0, first to last, evenly spaced: one JPEG.
+    """Frames of the first episode, first to last, evenly spaced: one JPEG.
 
     Args:
         dataset: its folder.
         camera: key of the video feature.
 
     Raises:
-        DataError: the video has fewer frames than the episode.
+        DataError: there is no episode, its video is missing or does not play, or has fewer frames.
     """
     from PIL import Image
 
     files = DatasetFiles.open(dataset)
-    row = files.episodes.slice(0, 1).to_pylist()[0]
-    chunk, file = (row[f"videos/{camera}/{index}_index"] for index in ("chunk", "file"))
-    path = dataset / files.info["video_path"].format(
-        video_key=camera, chunk_index=chunk, file_index=file
-    )
-    first = round(row[f"videos/{camera}/from_timestamp"] * files.info["fps"])
-    shown = _frames(path, [first + k * (row["length"] - 1) // (FRAMES - 1) for k in range(FRAMES)])
+    row = files.episode(min(files.episodes["episode_index"].to_pylist()))
+    file = files.file_of(row, f"videos/{camera}")
+    first = round(files.number(row, f"videos/{camera}/from_timestamp") * files.info["fps"])
+    numbers = [first + k * (row["length"] - 1) // (FRAMES - 1) for k in range(FRAMES)]
+    wanted = sorted(set(numbers))
+    images = (frame.to_image() for frame in frames(file, wanted, camera))
+    found = dict(zip(wanted, images, strict=True))
+    shown = [found[number] for number in numbers]
     width, height = shown[0].size
     strip = Image.new("RGB", (len(shown) * width, height))
     for place, image in enumerate(shown):
@@ -39,23 +40,3 @@ def picture(dataset: Path, camera: str) -> bytes:
     out = io.BytesIO()
     strip.save(out, "JPEG", quality=QUALITY, optimize=True)
     return out.getvalue()
-
-
-def _frames(path: Path, wanted: list[int]) -> list:
-    """The frames of these numbers, in order, as PIL images."""
-    import av
-
-    found = {}
-    with av.open(str(path)) as container:
-        for number, frame in enumerate(container.decode(video=0)):
-            if number in wanted:
-                found[number] = frame.to_image()
-            if number >= max(wanted):
-                break
-    if set(wanted) - set(found):
-        raise DataError(
-            "the video ends before its first episode",
-            file=path,
-            found=f"{len(found)} of the frames {wanted}",
-        )
-    return [found[number] for number in wanted]

@@ -132,10 +132,14 @@ def action_names(env_args: Mapping[str, Any], key: str, size: int) -> tuple[str,
 
 def _is_osc_pose_delta(env_args: Mapping[str, Any]) -> bool:
     """robosuite up to 1.4 has one controller, from 1.5 on one for each part of the body."""
-    whole = env_args.get("env_kwargs", {}).get("controller_configs")
+    kwargs = env_args.get("env_kwargs")
+    whole = kwargs.get("controller_configs") if isinstance(kwargs, Mapping) else None
     whole = whole[0] if isinstance(whole, list) and whole else whole
     if not isinstance(whole, Mapping):
         return False
-    arm = whole.get("body_parts", {}).get("right", whole)
+    parts = whole.get("body_parts")
+    arm = parts.get("right", whole) if isinstance(parts, Mapping) else whole
+    if not isinstance(arm, Mapping):
+        return False
     delta = arm.get("control_delta", arm.get("input_type", "delta") == "delta")
     return arm.get("type") == "OSC_POSE" and bool(delta)

@@ -13,11 +13,14 @@ import numpy as np
 
 from lfr.data import tables
 from lfr.data.episode import ACTION
-from lfr.data.selection import dimension_names, unreadable
+from lfr.data.features import dimension_names
+from lfr.data.selection import unreadable
 from lfr.data.tables import DatasetFiles
 from lfr.errors import DataError
 
 DIGITS = 4  # of the bounds
+MOST_TASKS = 20  # that are printed
+LONGEST_KEY = 40  # characters of a task's name
 OBSERVATION = "observation."
 
 
@@ -53,8 +56,10 @@ def arm_entry(path: Path, arm: str | None = None, action: str = ACTION) -> str:
         )  # fmt: skip
     robot = files.info.get("robot_type")
     low, high = _bounds(files, action)
-    lines = [f"{arm or _slug(robot or files.path.name)}:", f"  path: {path.as_posix()}"]
-    lines.append(f"  fps: {files.info['fps']}")
+    name = arm or _slug(robot or files.path.name) or "arm"
+    lines = [f"{name}:", f"  path: {_text(path.as_posix())}"]
+    fps = files.info["fps"]
+    lines.append(f"  fps: {int(fps) if fps == int(fps) else fps}")
     lines += [f"  robot_type: {json.dumps(robot)}"] if robot else []
     lines.append("  observation:")
     taken: list[str] = []
@@ -66,10 +71,13 @@ def arm_entry(path: Path, arm: str | None = None, action: str = ACTION) -> str:
             taken += said
     lines += ["  action:", f"    column: {action}", f"    dims: {_flow(vectors[action])}"]
     lines += [f"    low: {json.dumps(low)}", f"    high: {json.dumps(high)}", "  tasks:"]
+    instructions = _instructions(files)
     lines += [
-        f"    {_slug(words)}: {{instruction: {json.dumps(words, ensure_ascii=False)}}}"
-        for words in _instructions(files)
+        f"    {key}: {{instruction: {json.dumps(words, ensure_ascii=False)}}}"
+        for key, words in _keys(instructions[:MOST_TASKS]).items()
     ]
+    if len(instructions) > MOST_TASKS:
+        lines.append(f"    # and {len(instructions) - MOST_TASKS} more, as meta/tasks.parquet says")
     return "\n".join(lines) + "\n"
 
 
@@ -88,8 +96,20 @@ def _said(column: str, names: tuple[str, ...], taken: Sequence[str]) -> tuple[st
 
 def _bounds(files: DatasetFiles, action: str) -> tuple[list[float], list[float]]:
     """The action's least and greatest values, rounded outwards, never equal."""
-    values = tables.values(files.data([action]), action)
+    rows = files.data([action, "episode_index"])
+    values = tables.values(rows, action)
     values = values.reshape(len(values), -1)
+    if not len(values):
+        raise DataError("no rows", file=files.path / "data")
+    if not (finite := np.isfinite(values)).all():
+        row, dimension = np.argwhere(~finite)[0].tolist()
+        names = dimension_names(files.features[action], action)
+        raise DataError(
+            "a value that is not finite, so the action has no bounds", file=files.path / "data",
+            episode=rows["episode_index"][row].as_py(),
+            column=f"{action}, dimension {names[dimension]}",
+            found=float(values[row, dimension]),
+        )  # fmt: skip
     bounds = []
     for low, high in zip(values.min(0).tolist(), values.max(0).tolist(), strict=True):
         unit = 10.0 ** (math.floor(math.log10(max(abs(low), abs(high), 1e-6))) - DIGITS + 1)
@@ -106,6 +126,26 @@ def _instructions(files: DatasetFiles) -> list[str]:
 
 def _flow(names: tuple[str, ...]) -> str:
     return json.dumps(list(names), ensure_ascii=False)
+
+
+def _keys(instructions: Sequence[str]) -> dict[str, str]:
+    """A name for each task: its words as far as they are letters and digits, and unique."""
+    keys: dict[str, str] = {}
+    for words in instructions:
+        stem = _slug(words)[:LONGEST_KEY].strip("_") or "task"
+        if stem[0].isdigit():  # else YAML may take it for a number
+            stem = f"task_{stem}"
+        key, number = stem, 1
+        while key in keys:
+            number += 1
+            key = f"{stem}_{number}"
+        keys[key] = words
+    return keys
+
+
+def _text(value: str) -> str:
+    """A string as YAML takes it, quoted where it would be taken for something else."""
+    return value if re.fullmatch(r"[\w./][\w./-]*", value, re.ASCII) else json.dumps(value)
 
 
 def _slug(words: str) -> str:

@@ -95,7 +95,8 @@ class _Known:
 
 
 def _known(source: RobomimicFile, about: About) -> _Known:
-    kwargs = source.env_args.get("env_kwargs", {})
+    kwargs = source.env_args.get("env_kwargs")
+    kwargs = kwargs if isinstance(kwargs, dict) else {}
     fps = about.fps or kwargs.get("control_freq")
     if fps is None:
         raise ParameterError(f"{source.path} does not say its control_freq; give --fps")
@@ -103,7 +104,7 @@ def _known(source: RobomimicFile, about: About) -> _Known:
     names = [names] if isinstance(names, str) else names
     robots = {robot.title: name for name, robot in ROBOTS.items()}
     robot = "_".join(robots.get(name, name.lower()) for name in names) or "unknown"
-    env_name = source.env_args.get("env_name", "unknown")
+    env_name = str(source.env_args.get("env_name") or "unknown")
     task = next((task for task in TASKS.values() if task.stock_name == env_name), None)
     words = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", env_name).replace("_", " ").lower()
     lang = source.env_args.get("lang") or kwargs.get("lang")

@@ -97,7 +97,7 @@ class Layout:
             if choice.video and key.endswith(IMAGE) and len(shape) == 3 and shape[2] == 3
         )
         used = {c.key for p in parts.values() for c in p} | {camera + IMAGE for camera in cameras}
-        actions = action_names(source.env_args, choice.action, demo.frames(choice.action).shape[1])
+        actions = action_names(source.env_args, choice.action, demo.vectors(choice.action).shape[1])
         names: dict[str, tuple[str, ...]] = {
             **{feature: sum((c.names for c in p), ()) for feature, p in parts.items()},
             ACTION: actions,
@@ -108,7 +108,7 @@ class Layout:
         if JOINT_POSITION in names:
             names[JOINT_POSITION] = tuple(f"joint_{i}" for i in range(len(names[JOINT_POSITION])))
         if choice.simulator_states:
-            size = demo.frames("states").shape[1]
+            size = demo.vectors("states").shape[1]
             names[SIMULATOR_STATE] = tuple(f"state.{i}" for i in range(size))
         features = {key: Feature(key, _dtype(key), given, "") for key, given in names.items()}
         left_out = tuple(sorted(set(there) - used))

@@ -41,13 +41,13 @@ class Demo:
     group: Any
 
     def __len__(self) -> int:
-        return len(self.group["actions"] if "actions" in self.group else self.array("actions"))
+        return len(self._found("actions") if "actions" in self.group else self.array("actions"))
 
     @property
     def observations(self) -> dict[str, tuple[int, ...]]:
         """Shape of a frame of each observation: `object` -> (10,)."""
         group = self.group.get("obs", {})
-        return {key: tuple(group[key].shape[1:]) for key in group}
+        return {key: tuple(self._found(f"obs/{key}").shape[1:]) for key in group}
 
     def array(self, key: str) -> NDArray:
         """A whole array of the demonstration, such as "actions" or "obs/object".
@@ -63,7 +63,7 @@ class Demo:
                 "an array is missing", file=self.file, column=f"{self.name}/{key}",
                 found=", ".join(there) or "none", expected=expected,
             )  # fmt: skip
-        values = self.group[key][()]
+        values = self._found(key)[()]
         if values.dtype.kind == "f":
             bad = ~np.isfinite(values).reshape(len(values), -1).all(axis=1)
             if bad.any():
@@ -73,6 +73,30 @@ class Demo:
                     expected="finite numbers",
                 )  # fmt: skip
         return values
+
+    def vectors(self, key: str) -> NDArray:
+        """An array (T, D) with a row for each action; raises DataError as `frames`, or else."""
+        values = self.frames(key)
+        if values.ndim != 2:
+            raise DataError("no array of vectors", file=self.file, column=f"{self.name}/{key}",
+                            found=values.shape, expected="(frames, dimensions)")  # fmt: skip
+        return values
+
+    def _found(self, key: str) -> Any:
+        """An open array.
+
+        Raises:
+            DataError: it is behind a link to what is not there, or no array at all.
+        """
+        try:
+            found = self.group[key]
+            if not found.shape:
+                raise AttributeError("a single value" if found.shape == () else "no array")
+        except (KeyError, OSError, AttributeError) as error:
+            raise DataError("no array that can be read", file=self.file,
+                            column=f"{self.name}/{key}", found=str(error).strip("'\""),
+                            expected="an array with a row for each action") from None  # fmt: skip
+        return found
 
     def frames(self, key: str) -> NDArray:
         """An array with a row for each action.
@@ -125,13 +149,20 @@ class RobomimicFile:
             DataError: there are none.
         """
         data = self.root.get("data", {})
-        names = [name for name in data if hasattr(data[name], "keys")]
+        names = [name for name in data if hasattr(self._demonstration(name), "keys")]
         if not names:
             raise DataError(
                 "not a robomimic file", file=self.path, column="data",
                 found=", ".join(self.root) or "nothing", expected="groups demo_0, demo_1, ...",
             )  # fmt: skip
         return tuple(sorted(names, key=_number))
+
+    def _demonstration(self, name: str) -> Any:
+        try:
+            return self.root["data"][name]
+        except (KeyError, OSError) as error:  # a link to a file that is not there
+            raise DataError("a demonstration that cannot be read", file=self.path,
+                            column=f"data/{name}", found=str(error)) from None  # fmt: skip
 
     @cached_property
     def env_args(self) -> dict[str, Any]:

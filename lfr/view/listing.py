@@ -34,7 +34,7 @@ def dataset_entries(path: Path) -> list[Entry]:
     numbers = rows[EPISODE].to_numpy()
     lengths = rows["length"].to_pylist()
     known = {name: _column(rows, name, kind) for name, kind in (("success", bool), ("seed", int))}
-    rewards, successes = _per_episode(files, numbers)
+    rewards, successes, there = _per_episode(files, numbers)
     entries = [
         Entry(
             index=int(number),
@@ -42,6 +42,7 @@ def dataset_entries(path: Path) -> list[Entry]:
             success=successes[row] if known["success"][row] is None else known["success"][row],
             reward=rewards[row],
             seed=known["seed"][row],
+            note="" if there[row] else "its rows are not there",
         )
         for row, number in enumerate(numbers)
     ]
@@ -103,27 +104,32 @@ def _column(rows: Any, name: str, kind: type) -> list[Any]:
 
 def _per_episode(
     files: DatasetFiles, numbers: NDArray[np.int64]
-) -> tuple[list[float | None], list[bool | None]]:
-    """Summed reward and success of the episodes of these numbers, from the frames themselves."""
+) -> tuple[list[float | None], list[bool | None], list[bool]]:
+    """Summed reward and success of the episodes of these numbers, from the frames themselves, and
+    whether there are any; nothing is known of an episode of which there are none.
+    """
     columns = [key for key in (REWARD, SUCCESS) if key in files.features]
-    rewards: list[float | None] = [None] * len(numbers)
-    successes: list[bool | None] = [None] * len(numbers)
-    if not columns or not len(numbers):
-        return rewards, successes
+    count = len(numbers)
+    rewards: list[float | None] = [None] * count
+    successes: list[bool | None] = [None] * count
+    if not columns or not count:
+        return rewards, successes, [True] * count
     rows = files.data([EPISODE, *columns])
     owner = tables.values(rows, EPISODE)
-    place = np.full(int(max(numbers.max(), owner.max())) + 1, len(numbers))
-    place[numbers] = np.arange(len(numbers))
+    place = np.full(int(max(numbers.max(), owner.max())) + 1, count)
+    place[numbers] = np.arange(count)
+    there = [bool(rows) for rows in np.bincount(place[owner], minlength=count + 1)[:count]]
 
-    def summed(key: str) -> NDArray[np.float64]:
+    def summed(key: str) -> list[float | None]:
         flat = np.asarray(tables.values(rows, key), np.float64).reshape(len(owner), -1)[:, 0]
-        return np.bincount(place[owner], flat, len(numbers) + 1).astype(np.float64)
+        sums = np.bincount(place[owner], flat, count + 1)[:count].tolist()
+        return [total if is_there else None for total, is_there in zip(sums, there, strict=True)]
 
     if REWARD in columns:
-        rewards = [float(total) for total in summed(REWARD)[: len(numbers)]]
+        rewards = summed(REWARD)
     if SUCCESS in columns:
-        successes = [bool(count) for count in summed(SUCCESS)[: len(numbers)]]
-    return rewards, successes
+        successes = [None if total is None else bool(total) for total in summed(SUCCESS)]
+    return rewards, successes, there
 
 
 def _log_entry(index: int, path: Path) -> Entry:

@@ -217,7 +217,7 @@ def test_whatever_stands_in_the_json_is_no_traceback(dataset: Path, wrong: objec
     [["l", "r"], [["l", "r"]], {"motors": ["l", "r"]}, {"l": 0, "r": 1}, {"a": ["l"], "b": ["r"]}],
 )
 def test_names_have_several_forms(names: object) -> None:
-    from lfr.curation.features import names_of
+    from lfr.data.features import names_of
 
     assert len(names_of({"names": names})) == 2
     assert names_of({"names": None}) == names_of({}) == names_of({"names": 3}) == []

@@ -18,7 +18,7 @@ from lfr.cli import main
 from lfr.data.episode import ACTION, JOINT_POSITION, STATE, EpisodeInfo, features
 from lfr.data.log import EpisodeLog, Frame
 from lfr.spaces import joint_motion
-from lfr.view.dataset import dimension_names, read_episode
+from lfr.view.dataset import _labels, read_episode
 from lfr.view.motion import poses_of_states
 from lfr.view.path import end_effector_dimensions
 
@@ -292,7 +292,7 @@ def test_a_dataset_says_neither_seed_nor_success(motors: Written) -> None:
 )
 def test_names_come_in_many_forms(names: Any, size: int, expected: tuple[str, ...]) -> None:
     values = np.zeros((4, size)) if size > 1 else np.zeros(4)
-    assert dimension_names(STATE, {"names": names}, values) == expected
+    assert _labels(STATE, {"names": names}, values) == expected
 
 
 @pytest.mark.parametrize(

@@ -102,7 +102,7 @@ def _from_to(contents: Contents) -> Iterator[Finding]:
 def _files(contents: Contents) -> Iterator[Finding]:
     """LeRobot reads an episode from the file that meta/episodes names."""
     names = [contents.relative(file) for file in contents.data_files]
-    chunk, file = (contents.episode_column(f"data/{i}_index") for i in ("chunk", "file"))
+    chunk, file = contents.placed("data")
     there, ends = runs(contents), np.cumsum(contents.rows_of_files)
     known = (there.episode >= 0) & (there.episode < len(chunk))
     file_of_run = np.searchsorted(ends, there.start[known], side="right")

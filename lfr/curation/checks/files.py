@@ -9,6 +9,7 @@ import numpy as np
 
 from lfr.curation.contents import STATS, TASKS, Contents
 from lfr.curation.finding import Finding, Unreadable
+from lfr.data.tables import files_below
 
 
 def check_files(contents: Contents) -> Iterator[Finding]:
@@ -57,13 +58,13 @@ def _named(
     contents: Contents, prefix: str, template: str, suffix: str, folder: str, **names: str
 ) -> Iterator[Finding]:
     """The files of a folder against those that the episodes name."""
-    chunk, file = (contents.episode_column(f"{prefix}{i}_index") for i in ("chunk", "file"))
+    chunk, file = contents.placed(prefix.rstrip("/"))
     pairs, counts = np.unique(np.stack([chunk, file], axis=1), axis=0, return_counts=True)
     expected = {
         contents.named(template, chunk_index=c, file_index=f, **names): int(count)
         for (c, f), count in zip(pairs.tolist(), counts, strict=True)
     }
-    found = {contents.relative(p) for p in (contents.path / folder).rglob(f"*{suffix}")}
+    found = {contents.relative(p) for p in files_below(contents.path / folder, suffix)}
     for name in sorted(set(expected) - found):
         yield Finding(
             "missing-file", "episodes name a file that is not there", file=name,

@@ -132,11 +132,8 @@ def _decode(
     import av
     from av.error import FFmpegError
 
-    prefix = f"videos/{key}/"
-    chunk, number, start = (
-        contents.episode_column(prefix + name)
-        for name in ("chunk_index", "file_index", "from_timestamp")
-    )
+    chunk, number = contents.placed(f"videos/{key}")
+    start = contents.episode_column(f"videos/{key}/from_timestamp")
     for c, f in sorted(set(zip(chunk.tolist(), number.tolist(), strict=True))):
         name = contents.named("video_path", video_key=key, chunk_index=c, file_index=f)
         of_file = np.flatnonzero((chunk == c) & (number == f))

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from lfr.curation.features import names_of
 from lfr.data.episode import ACTION, JOINT_POSITION
+from lfr.data.features import names_of
 from lfr.embodiments import known_action
 from lfr.errors import UnknownNameError
 from lfr.spaces import Quantity, joint_position, quantity, quantity_name

@@ -8,8 +8,8 @@ from typing import Any
 import pyarrow as pa
 
 from lfr.curation.contents import INFO, NOT_NUMBERS, Contents
-from lfr.curation.features import names_of
 from lfr.curation.finding import Finding
+from lfr.data.features import names_of
 
 # LeRobot's own columns and their types
 DEFAULT_DTYPES = {
@@ -36,8 +36,22 @@ def check_schema(contents: Contents) -> Iterator[Finding]:
         yield Finding("info", "no robot_type", "warning", INFO, column="robot_type")
     for key, feature in contents.features.items():
         yield from _described(key, feature)
+    yield from _episode_files(contents)
     for name, file in zip(contents.data_files, contents.data, strict=True):
         yield from _file(contents, contents.relative(name), file.schema_arrow)
+
+
+def _episode_files(contents: Contents) -> Iterator[Finding]:
+    """LeRobot opens meta/episodes as one table, and fails where its files have other columns."""
+    columns = {file: contents.opened(file).schema_arrow.names for file in contents.episode_files}
+    if not columns:
+        return
+    every = dict.fromkeys(name for names in columns.values() for name in names)
+    for file, names in columns.items():
+        if lacking := [name for name in every if name not in names]:
+            yield Finding("schema", "columns that other files of meta/episodes have are missing",
+                          file=contents.relative(file), column=", ".join(lacking),
+                          places=len(lacking))  # fmt: skip
 
 
 def _described(key: str, feature: dict[str, Any]) -> Iterator[Finding]:
@@ -48,8 +62,10 @@ def _described(key: str, feature: dict[str, Any]) -> Iterator[Finding]:
         yield Finding("schema", "no shape", file=INFO, column=key, found=shape,
                       expected="positive numbers")  # fmt: skip
     elif len(shape) == 1 and names and len(names) != shape[0]:
-        yield Finding("schema", "another number of names than dimensions", file=INFO, column=key,
-                      found=len(names), expected=shape[0])  # fmt: skip
+        one = len(names) == 1  # of the whole vector, as openpi's recorders write it
+        yield Finding("schema", "another number of names than dimensions",
+                      "warning" if one else "error", INFO, column=key, found=len(names),
+                      expected=shape[0])  # fmt: skip
 
 
 def _file(contents: Contents, name: str, schema: pa.Schema) -> Iterator[Finding]:

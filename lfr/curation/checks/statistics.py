@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from lfr.curation.contents import EPISODES, PICTURES, STATS, Contents, Runs, runs
 from lfr.curation.exact_stats import NAMES, averaged, dataset_stats, episode_stats
-from lfr.curation.features import settings_of
 from lfr.curation.finding import Finding, Severity, first, unreadable
+from lfr.data.features import settings_of
 from lfr.data.stats import QUANTILES, Stats
 
 AVERAGED = "averaged-quantiles"

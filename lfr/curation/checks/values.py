@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from lfr.curation.checks.ranges import bounds
 from lfr.curation.contents import DEFAULT_FEATURES, EPISODES, NOT_NUMBERS, Contents, Runs, runs
-from lfr.curation.features import names_of, shape_of
 from lfr.curation.finding import Finding, first
 from lfr.data.episode import DONE, REWARD, SUCCESS
+from lfr.data.features import names_of, shape_of
 
 SLACK = 1e-3  # beyond a range: rotations are orthogonal to float32's precision, not exactly
 # A value this many times as far from the median as the middle 98 % reach is a spike.

@@ -8,9 +8,9 @@ import numpy as np
 
 from lfr.curation.checks.order import TOLERANCE_S
 from lfr.curation.contents import EPISODES, Contents
-from lfr.curation.features import names_of, settings_of, shape_of
 from lfr.curation.finding import Finding, first
 from lfr.curation.mp4 import BrokenVideoError, VideoHeader, read_header
+from lfr.data.features import names_of, settings_of, shape_of
 
 ENCODERS = {"libsvtav1": "av1", "libaom-av1": "av1", "libx264": "h264", "avc1": "h264",
             "h265": "hevc", "libx265": "hevc"}  # fmt: skip
@@ -21,9 +21,9 @@ def check_videos(contents: Contents) -> Iterator[Finding]:
     """Every camera's files, by their headers alone: no frame is decoded."""
     for key in contents.pictures():
         prefix = f"videos/{key}/"
-        chunk, number, start, end = (
-            contents.episode_column(prefix + name)
-            for name in ("chunk_index", "file_index", "from_timestamp", "to_timestamp")
+        chunk, number = contents.placed(f"videos/{key}")
+        start, end = (
+            contents.episode_column(prefix + name) for name in ("from_timestamp", "to_timestamp")
         )
         found = np.rint((end - start) * contents.fps)
         if (wrong := found != contents.lengths).any():

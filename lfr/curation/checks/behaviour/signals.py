@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lfr.curation.contents import Contents, Runs, runs
-from lfr.curation.features import names_of
 from lfr.curation.finding import Finding, Unreadable
 from lfr.data.episode import ACTION
+from lfr.data.features import names_of
 
 Array = NDArray[np.floating]
 Rows = NDArray[np.int64]
