@@ -7,6 +7,7 @@ decoded and encoded again, with the settings that info.json keeps.
 
 from __future__ import annotations
 
+import contextlib
 import os
 import shutil
 from collections.abc import Iterable
@@ -16,6 +17,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from lfr.curation.mp4 import BrokenVideoError, read_header
+from lfr.data.priority import kept_priority
 from lfr.errors import DataError
 
 
@@ -116,7 +118,10 @@ def _encode(clip: Clip, path: Path, fps: float, info: dict[str, Any] | None) -> 
         for number, frame in enumerate(_frames(source, read, clip, fps)):
             frame.pts, frame.time_base = number, 1 / rate
             frame.pict_type = PictureType.NONE  # the encoder is to decide
-            out.mux(stream.encode(frame))
+            # The first frame opens the encoder.
+            with contextlib.nullcontext() if number else kept_priority():
+                packets = stream.encode(frame)
+            out.mux(packets)
         out.mux(stream.encode())
 
 

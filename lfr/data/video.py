@@ -10,6 +10,7 @@ the picture as good as H.264's of the same size (veryfast, 3300 frames per secon
 
 from __future__ import annotations
 
+import contextlib
 import io
 import os
 from collections.abc import Mapping, Sequence
@@ -20,6 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lfr.data.priority import kept_priority
 from lfr.data.stats import Stats, image_stats
 
 MAX_BYTES = 200 * 2**20  # of one file, as LeRobot's video_files_size_in_mb
@@ -116,7 +118,10 @@ class VideoWriter:
             self._open_file()
         frame = av.VideoFrame.from_ndarray(image, format="rgb24")
         frame.pts, frame.time_base = self._frames, Fraction(1, self._fps)
-        self._container.mux(self._stream.encode(frame))
+        # The first frame opens the encoder.
+        with contextlib.nullcontext() if self._frames else kept_priority():
+            packets = self._stream.encode(frame)
+        self._container.mux(packets)
         self._frames += 1
 
     def _open_file(self) -> None:
