@@ -102,3 +102,24 @@ def test_where_the_can_is_lost(line: Row) -> None:
             and row["link"] == link
         ]  # fmt: skip
         assert line[link.replace("_", " ")] == percent(found)
+
+
+COPIES = {
+    "none": {"shift_m": "0.0", "mirror": "0"},
+    "mirrored": {"shift_m": "0.0", "mirror": "1"},
+    "shifted by 0.1 m, mirrored": {"shift_m": "0.1", "mirror": "1"},
+    "shifted by 0.2 m, mirrored": {"shift_m": "0.2", "mirror": "1"},
+}
+
+
+@pytest.mark.parametrize("line", table("coverage"), ids=lambda line: " ".join(line.values()))
+def test_where_sawyers_stack_is_lost(line: Row) -> None:
+    wanted = {
+        "task": line["task"], "demonstrations": line["demonstrations"],
+        "drift_steps": line["drift"], "input_noise": line["input noise"], "priors": "1",
+        **COPIES[line["copies"]],
+    }  # fmt: skip
+    found = [row for row in rows("coverage") if wanted.items() <= row.items()]
+    assert line["priors"] == str(len(found))
+    assert line["retarget"] == percent(found, "retarget_successes")
+    assert line["own arm"] == percent(found, "own_arm_successes")

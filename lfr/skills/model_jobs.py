@@ -22,7 +22,14 @@ from lfr.skills.gaussian import kl_divergence, kl_to_standard_normal
 from lfr.skills.hand_motion import HandJacobian, HandSteps, jacobian_error, train_jacobian
 from lfr.skills.library import SkillFolder, skill_folder, tasks_name
 from lfr.skills.prior import SkillPrior
-from lfr.skills.saved_models import Seen, load_vae, save_jacobian, save_prior, save_vae
+from lfr.skills.saved_models import (
+    Seen,
+    load_jacobian,
+    load_vae,
+    save_jacobian,
+    save_prior,
+    save_vae,
+)
 from lfr.skills.skill_params import SkillsParams, VAEParams
 from lfr.skills.skill_training import PriorMaterial, train_priors, train_vae
 from lfr.skills.symmetry import AS_RECORDED, actions_turn_with_base
@@ -175,8 +182,9 @@ def _material(spec: VAETraining, task: str) -> PriorMaterial:
     windows, names = known.training, known.actions.names
     turned = spec.arm is None and actions_turn_with_base(names)
     return PriorMaterial(
-        windows.observations, windows.actions, known.names, names, model_seed(spec, task), turned
-    )
+        windows.observations, windows.actions, known.names, names, model_seed(spec, task), turned,
+        load_jacobian(spec.models.jacobian) if spec.models.jacobian.is_dir() else None,
+    )  # fmt: skip
 
 
 def vae_condition(params: VAEParams, action_names: Sequence[str]) -> Condition:

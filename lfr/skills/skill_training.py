@@ -19,6 +19,7 @@ from lfr.networks.optimizer import FlatAdam, annealed, clip_norm, flatten_parame
 from lfr.skills.augmentation import augment
 from lfr.skills.condition import GIVEN_NOTHING, Condition
 from lfr.skills.hand_motion import HandJacobian
+from lfr.skills.moved_joints import moved_joint_copies
 from lfr.skills.prior import SkillPrior
 from lfr.skills.prior_ensemble import PriorEnsemble
 from lfr.skills.skill_params import PriorParams, VAEParams
@@ -101,6 +102,8 @@ class PriorMaterial:
         actions: (N, H, A), the windows, whose dimensions are called ``action_names``.
         seed: of this prior's training.
         turned: whether the prior sees the scene in the frame of the hand's azimuth.
+        jacobian: of the hand, by which moved copies of joint motions are made if they are asked
+            for.
     """
 
     observations: Tensor
@@ -109,6 +112,7 @@ class PriorMaterial:
     action_names: Sequence[str]
     seed: int
     turned: bool = False
+    jacobian: HandJacobian | None = None
 
 
 def train_priors(
@@ -160,10 +164,15 @@ class _PriorLearner:
         prior = SkillPrior(
             material.names, vae.latent_dim, params.hidden, params.layers, material.turned
         )
-        observations, actions = moved_copies(
-            material.observations, material.actions, material.names, material.action_names,
-            params.symmetry, generator,
-        )  # fmt: skip
+        windows = material.observations, material.actions
+        if params.symmetry.joints and material.jacobian is not None:
+            observations, actions = moved_joint_copies(
+                *windows, tuple(material.names), params.symmetry, material.jacobian, generator
+            )
+        else:
+            observations, actions = moved_copies(
+                *windows, material.names, material.action_names, params.symmetry, generator
+            )
         prior.normalizer.fit(observations, material.names)
         return cls(prior, observations, *vae.encode_all(actions, observations), generator)
 

@@ -5,9 +5,10 @@ mirrored, or shifted, up to its reach: the demonstrator would do the turned, mir
 fifty demonstrations tell more than fifty, and a prior cannot learn an episode by heart from where
 its objects stand. It does not hold for asymmetric hands.
 
-Under joint control the demonstrator would do the same actions in a scene that is turned, and
-nothing is known of the other two. There no copies are needed: a prior sees the scene in the frame
-of the hand's azimuth, in which all turned copies are one (`lfr.skills.normalizer.Normalizer`).
+Under joint control the demonstrator would do the same actions in a scene that is turned, and there
+no copies are needed: a prior sees the scene in the frame of the hand's azimuth, in which all turned
+copies are one (`lfr.skills.normalizer.Normalizer`). Of the other two, the hand's Jacobian says what
+the joints would do (`lfr.skills.moved_joints`).
 """
 
 from __future__ import annotations
@@ -32,6 +33,7 @@ class SymmetryParams:
     turn: float = 1.0  # rad, bound on the rotation about the vertical through the base
     shift: float = 0.1  # m, bound on the horizontal shift; half of it up and down
     mirror: bool = True
+    joints: bool = False  # of joint motions too, by the hand's Jacobian (`lfr.skills.moved_joints`)
 
     def copies_of(self, rows: int) -> int:
         """How many copies so many rows get: the more there are, the less they need them."""
