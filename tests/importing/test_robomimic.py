@@ -1,6 +1,7 @@
 """LeRobotDataset opens what is imported; every row is held against the arrays that were written."""
 
 import hashlib
+import re
 from pathlib import Path
 from typing import Any
 
@@ -309,3 +310,48 @@ def test_the_parts_of_object_depend_on_robosuites_version() -> None:
     assert [name for name, _ in object_parts(can)][:2] == ["Can_pos", "Can_quat"]
     assert object_parts({"env_name": "PickPlaceCan"}) == ()
     assert object_parts({"env_name": "ToolHang", "env_version": "1.4.1"}) == ()
+
+
+def odd(path: Path, name: str) -> None:
+    """A file as other projects write them."""
+    import h5py
+
+    with h5py.File(path, "r+") as file:
+        data = file["data"]
+        if name == "nothing said":
+            data.attrs["env_args"] = '{"env_name": null, "env_kwargs": null}'
+        elif name == "one number an action":
+            del data["demo_2/actions"], data["demo_0/actions"]
+            data["demo_0"].create_dataset("actions", data=np.zeros(12))
+            data["demo_2"].create_dataset("actions", data=np.zeros(7))
+        elif name == "a link to nowhere":
+            data["demo_7"] = h5py.ExternalLink("elsewhere.hdf5", "/data/demo_7")
+        elif name == "an array behind a link":
+            del data["demo_0/obs/object"]
+            data["demo_0/obs/object"] = h5py.ExternalLink("elsewhere.hdf5", "/x")
+
+
+@pytest.mark.parametrize(
+    ("name", "line"),
+    [
+        ("nothing said", "does not say its control_freq; give --fps"),
+        ("one number an action", r"no array of vectors: .*demo_0/actions, found \(12,\)"),
+        ("a link to nowhere", "a demonstration that cannot be read: .*data/demo_7"),
+        ("an array behind a link", "no array that can be read: .*demo_0/obs/object"),
+    ],
+)
+def test_what_cannot_be_imported_is_one_line(
+    name: str, line: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = made_up.write(tmp_path / "odd.hdf5", made_up.demos())
+    odd(path, name)
+    assert main(["import", str(path), "--to", str(tmp_path / "out")]) == 2
+    assert re.search(line, capsys.readouterr().err)
+    assert not (tmp_path / "out").exists()
+
+
+def test_an_environment_without_a_name_has_an_instruction(tmp_path: Path) -> None:
+    path = made_up.write(tmp_path / "x.hdf5", made_up.demos(), made_up.ENV_ARGS | {"env_name": ""})
+    assert main(["import", str(path), "--to", str(tmp_path / "out")]) == 0
+    tasks = pq.read_table(tmp_path / "out" / EPISODES)["tasks"].to_pylist()
+    assert {words for listed in tasks for words in listed} == {"unknown"}
