@@ -54,9 +54,10 @@ def learning_figure(path: Path, runs: Sequence[Run], curves: Sequence[CurvePoint
                 _method(panel, runs, curves, transfer, method, option, color)
         figure.supxlabel("environment steps, thousands", fontsize=9)
         figure.supylabel("success", fontsize=9)
-        named = zip(LEARNERS, COLORS, strict=True)
+        ran = {run.method for run in runs if run.env_steps}
         handles = [axes[0].plot([], [], color=color, label=NAMES[method])[0]
-                   for (method, _), color in named]  # fmt: skip
+                   for (method, _), color in zip(LEARNERS, COLORS, strict=True)
+                   if method in ran]  # fmt: skip
         handles += axes[0].plot([], [], color="#555555", linewidth=0.8, linestyle=(0, (4, 3)),
                                 label="the paper's LfR")  # fmt: skip
         figure.legend(handles=handles, loc="outside upper right", ncols=len(handles), frameon=False)

@@ -9,7 +9,7 @@ from lfr.evaluation.marked import put
 from lfr.program import run_stage
 from studies.evidence.figures import learning_figure, matrix_figure
 from studies.evidence.runs import RESULTS, read_curves, read_runs
-from studies.evidence.tables import TABLES
+from studies.evidence.tables import TABLES, matrix_arms
 
 PAGE = Path("docs/evidence.md")
 
@@ -17,10 +17,17 @@ PAGE = Path("docs/evidence.md")
 def main() -> None:
     """Write the tables into docs/evidence.md, and the figures beside results/evidence/runs.csv."""
     runs = read_runs()
-    for name, table in TABLES.items():
-        put(PAGE, name, table(runs).strip())
+    for name in tables_of(PAGE):
+        put(PAGE, name, TABLES[name](runs).strip())
     learning_figure(RESULTS / "learning.svg", runs, read_curves())
-    matrix_figure(RESULTS / "matrix.svg", runs)
+    if matrix_arms(runs):
+        matrix_figure(RESULTS / "matrix.svg", runs)
+
+
+def tables_of(page: Path) -> list[str]:
+    """Those that a page has a place for."""
+    text = page.read_text(encoding="utf-8")
+    return [name for name in TABLES if f"<!-- {name} -->" in text]
 
 
 if __name__ == "__main__":

@@ -103,8 +103,8 @@ def above(first: Chosen, second: Chosen) -> str:
         return "-"
     seeds = set(first.seeds) & set(second.seeds)
     both = (one.of_seeds(seeds).outcomes for one in (first, second))
-    mean, low, high = (100 * value for value in difference(*both))
-    return f"{mean:+.0f} ({low:+.0f} to {high:+.0f})"
+    mean, low, high = (round(100 * value) for value in difference(*both))
+    return f"{mean:+d} ({low:+d} to {high:+d})"
 
 
 def task_and_target(run: Run) -> str:
@@ -112,43 +112,62 @@ def task_and_target(run: Run) -> str:
     return f"{NAMES[run.task]}, {NAMES[run.target]}"
 
 
+LEARNERS = ("ap", "sac", "spirl", "no_generator", "retarget")
+
+
 def methods_table(runs: Sequence[Run], reward: str = "sparse") -> str:
-    """Tables I and II: every method on the paper's transfers, and the paper's own figures below."""
-    learners = ("ap", "sac", "spirl", "no_generator", "retarget")
-    header = ["task", "seeds", "LfR, before", "LfR, after", "robosuite", "BC+RNN",
-              *(NAMES[name] for name in learners)]  # fmt: skip
-    rows = []
+    """Tables I and II: every method on the paper's transfers, and the paper's own figures below.
+
+    A method that has not been run has no column.
+    """
+    columns = ["bc_rnn", *LEARNERS]
+    header = ["task", "seeds", "LfR, before", "LfR, after", "robosuite",
+              *map(NAMES.__getitem__, columns)]  # fmt: skip
+    found: list[tuple[Run, list[Chosen]]] = []
     for transfer in PAPERS:
         before = chosen(runs, transfer, "lfr")
-        if not before.runs:
-            continue
-        after = chosen(runs, transfer, "lfr", learned=True, reward=reward)
-        stock = chosen(runs, transfer, "lfr", learned=True, reward=reward, judge="robosuite")
-        others = [chosen(runs, transfer, name, learned=True, reward=reward) for name in learners]
-        rows.append([
-            task_and_target(before.runs[0]), len(after.runs), rate(before), rate(after),
-            rate(stock), rate(chosen(runs, transfer, "bc_rnn")), *map(rate, others),
-        ])  # fmt: skip
-        paper = PAPER[before.runs[0].task, before.runs[0].target]
-        rows.append(["the paper's", "", "", paper["lfr"], "", paper["bc_rnn"],
-                     *(paper.get(name, "") for name in learners)])  # fmt: skip
-    return markdown(header, rows)
+        if before.runs:
+            after, stock = (
+                chosen(runs, transfer, "lfr", learned=True, reward=reward, judge=judge)
+                for judge in ("engine", "robosuite")
+            )
+            others = [
+                chosen(runs, transfer, name, learned=True, reward=reward) for name in LEARNERS
+            ]
+            imitated = chosen(runs, transfer, "bc_rnn")
+            found.append((before.runs[0], [before, after, stock, imitated, *others]))
+    shown = [place for place in range(len(columns) + 3)
+             if place < 3 or any(cells[place].runs for _, cells in found)]  # fmt: skip
+    rows: list[list[object]] = []
+    for first, cells in found:
+        paper = PAPER[first.task, first.target]
+        theirs = ["", paper["lfr"], "", *(paper.get(name, "") for name in columns)]
+        seeds = len(cells[1].runs)
+        rows.append([task_and_target(first), seeds, *(rate(cells[place]) for place in shown)])
+        rows.append(["the paper's", "", *(theirs[place] for place in shown)])
+    return markdown(header[:2] + [header[2 + place] for place in shown], rows)
 
 
 def differences_table(runs: Sequence[Run]) -> str:
-    """How far LfR after learning is above each method, in points."""
-    learners = ("ap", "sac", "spirl", "no_generator", "retarget")
-    header = ["task", "BC+RNN", *(NAMES[name] for name in learners), "its own beginning"]
-    rows = []
+    """How far LfR after learning is above each method that has been run, in points."""
+    names = ("bc_rnn", *LEARNERS)
+    found: list[tuple[Run, list[str]]] = []
     for transfer in PAPERS:
         after = chosen(runs, transfer, "lfr", learned=True)
-        if not after.runs:
-            continue
-        others = [chosen(runs, transfer, name, learned=True) for name in learners]
-        beginning = chosen(runs, transfer, "lfr")
-        compared = [chosen(runs, transfer, "bc_rnn"), *others, beginning]
-        rows.append([task_and_target(after.runs[0]), *(above(after, one) for one in compared)])
-    return markdown(header, rows)
+        if after.runs:
+            unlearned = ("lfr", "retarget", "oracle", "bc_rnn")
+            compared = [chosen(runs, transfer, name) for name in unlearned]
+            compared += [chosen(runs, transfer, name, learned=True) for name in LEARNERS]
+            found.append((after.runs[0], [above(after, one) for one in compared]))
+    header = [
+        "its own beginning",
+        "retarget, not learned",
+        "oracle",
+        *map(NAMES.__getitem__, names),
+    ]
+    shown = [i for i in range(len(header)) if i < 3 or any(cells[i] != "-" for _, cells in found)]
+    rows = [[task_and_target(first), *(cells[i] for i in shown)] for first, cells in found]
+    return markdown(["task", *(header[i] for i in shown)], rows)
 
 
 def chain_table(runs: Sequence[Run], transfers: Sequence[str], demonstrations: int = 50) -> str:
