@@ -10,7 +10,7 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export UV_PYTHON_INSTALL_DIR := $(CURDIR)/.uv/python
 unexport VIRTUAL_ENV
 
-.PHONY: demo repro test test-slow check bench bench-stages setup lock
+.PHONY: demo repro test test-slow check bench bench-stages evidence setup lock
 
 demo: setup
 	python -m pipeline._demo
@@ -29,6 +29,11 @@ check: setup
 	ruff format --check .
 	pyright
 	lint-imports
+
+# All that docs/evidence.md asks, some hours; goes on where it was stopped.
+evidence: setup
+	python -m studies.evidence
+	python -m studies.evidence.page
 
 # What the benchmarks compare with is no dependency of the project: it gets a folder of its own.
 # Browsing is measured on a dataset of the project's.

@@ -1,4 +1,4 @@
-"""docs/evidence.md is held to the table of all runs: its tables, its figures' data, its sentences."""
+"""docs/evidence.md is held to the table of all runs: its tables and its sentences."""
 
 from __future__ import annotations
 

@@ -54,7 +54,7 @@ def learning_figure(path: Path, runs: Sequence[Run], curves: Sequence[CurvePoint
                 _method(panel, runs, curves, transfer, method, option, color)
         figure.supxlabel("environment steps, thousands", fontsize=9)
         figure.supylabel("success", fontsize=9)
-        ran = {run.method for run in runs if run.env_steps}
+        ran = {run.method for run in runs}
         handles = [axes[0].plot([], [], color=color, label=NAMES[method])[0]
                    for (method, _), color in zip(LEARNERS, COLORS, strict=True)
                    if method in ran]  # fmt: skip

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -61,11 +62,18 @@ def difference(first: Outcomes, second: Outcomes) -> Interval:
 
 def _resampled(values: Outcomes) -> NDArray[np.float64]:
     """(RESAMPLES,) means with seeds and starts drawn anew, with replacement."""
+    of_seeds, of_starts = _weights(*values.shape)
+    return ((of_seeds @ values) * of_starts).sum(axis=1) / values.size
+
+
+@cache
+def _weights(seeds: int, starts: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """(RESAMPLES, S) and (RESAMPLES, N): how often each seed and each start is drawn."""
     random = np.random.default_rng(0)
-    seeds, starts = values.shape
-    of_seeds = random.multinomial(seeds, np.full(seeds, 1 / seeds), RESAMPLES)
-    of_starts = random.multinomial(starts, np.full(starts, 1 / starts), RESAMPLES)
-    return np.einsum("rs,sn,rn->r", of_seeds, values, of_starts, optimize=True) / values.size
+    return (
+        random.multinomial(seeds, np.full(seeds, 1 / seeds), RESAMPLES).astype(np.float64),
+        random.multinomial(starts, np.full(starts, 1 / starts), RESAMPLES).astype(np.float64),
+    )
 
 
 def _bounds() -> tuple[float, float]:
