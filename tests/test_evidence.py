@@ -11,7 +11,8 @@ import pytest
 from lfr.evaluation.marked import shown
 from studies.evidence.page import tables_of
 from studies.evidence.runs import Run, read_curves, read_runs
-from studies.evidence.tables import PAPERS, TABLES, chosen
+from studies.evidence.statistics import Interval, difference
+from studies.evidence.tables import PAPER, PAPERS, TABLES, chosen
 
 ROOT = Path(__file__).parent.parent
 PAGE = ROOT / "docs/evidence.md"
@@ -63,3 +64,58 @@ def test_seeds_are_whole() -> None:
         for method, learned in methods:
             found = chosen(runs(), transfer, method, learned=learned)
             assert found.seeds == tuple(range(5)), (transfer, method)
+
+
+def test_nothing_carries_over_by_itself() -> None:
+    found = [run for transfer in PAPERS for method in ("identity", "no_generator")
+             for run in chosen(runs(), transfer, method).runs]  # fmt: skip
+    successes, starts = (sum(getattr(run, of) for run in found) for of in ("successes", "starts"))
+    assert says(f"succeed in {successes} of {starts:,} episodes")
+    assert says("{}, {}, {} and {} % before any learning".format(*_all("lfr")))
+
+
+def test_what_a_linear_map_has() -> None:
+    of_can = [run.successes for run in chosen(runs(), CAN, "linear").runs]
+    rates = "{}, {}, {} and {} %".format(*_all("linear"))
+    assert says(f"has {rates}, and on the can from {min(of_can)} to {max(of_can)} by seed")
+
+
+def test_what_learning_adds() -> None:
+    gains = {one: _above(one, "lfr") for one in PAPERS}
+    assert says(
+        f"{gains[STACK_SAWYER].mean} points on Sawyer's Stack and {gains[CAN].mean} on the can"
+    )
+    beyond = {one: _above(one, "retarget") for one in (STACK_SAWYER, CAN)}
+    assert says(
+        f"LfR is {beyond[STACK_SAWYER].mean} and {beyond[CAN].mean} points above retargeting"
+    )
+    assert all(one.low >= 0 for one in (*beyond.values(), gains[STACK_SAWYER], gains[CAN]))
+    for transfer in (LIFT, STACK_PANDA):
+        assert (mean(transfer, "lfr") >= 89, gains[transfer].mean) == (True, 1)
+
+
+def test_what_is_lost_before_the_mapping() -> None:
+    rates = mean(STACK_SAWYER, "retarget"), mean(STACK_SAWYER, "oracle")
+    assert says("retargeting has {} % as well, and the target shown the task {}".format(*rates))
+    pairs = zip(_all("recoded"), _all("retarget"), strict=True)
+    assert max(abs(first - second) for first, second in pairs) == 4
+
+
+def test_beside_the_paper() -> None:
+    after = dict(zip(PAPERS, _all("lfr", learned=True), strict=True))
+    for transfer, words in (
+        (CAN, "on the can ({}, the paper {})"), (LIFT, "Lift ({}, {:.0f})"),
+        (STACK_PANDA, "on Panda's Stack ({}, {})"), (STACK_SAWYER, "on Sawyer's ({}, {:.0f})"),
+    ):  # fmt: skip
+        first = chosen(runs(), transfer, "lfr").runs[0]
+        assert says(words.format(after[transfer], PAPER[first.task, first.target]["lfr"]))
+
+
+def _all(method: str, *, learned: bool = False) -> list[int]:
+    return [mean(transfer, method, learned=learned) for transfer in PAPERS]
+
+
+def _above(transfer: str, method: str) -> Interval:
+    """How many points LfR after learning is above a method that has not learned."""
+    after, other = chosen(runs(), transfer, "lfr", learned=True), chosen(runs(), transfer, method)
+    return Interval(*(round(100 * one) for one in difference(after.outcomes, other.outcomes)))
