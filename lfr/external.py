@@ -49,7 +49,7 @@ class ExternalArm:
             (docs/data.md), so demonstrations of turned, mirrored and shifted scenes count too.
     """
 
-    fps: float
+    fps: int | float
     tasks: dict[str, ExternalTask]
     observation: tuple[Part, ...] = ()
     action: ActionPart = field(default_factory=ActionPart)

@@ -49,6 +49,7 @@ class PriorParams:
     weight_decay: float = 1e-2
     input_noise: float = 0.1  # of an input's normalised unit, against overfitting 50 episodes
     symmetry: SymmetryParams = field(default_factory=SymmetryParams)
+    joint_copies: bool = False  # of joint motions too (`lfr.skills.moved_joints`)
 
 
 @dataclass(frozen=True)

@@ -165,7 +165,7 @@ class _PriorLearner:
             material.names, vae.latent_dim, params.hidden, params.layers, material.turned
         )
         windows = material.observations, material.actions
-        if params.symmetry.joints and material.jacobian is not None:
+        if params.joint_copies and material.jacobian is not None:
             observations, actions = moved_joint_copies(
                 *windows, tuple(material.names), params.symmetry, material.jacobian, generator
             )

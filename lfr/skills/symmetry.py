@@ -33,7 +33,6 @@ class SymmetryParams:
     turn: float = 1.0  # rad, bound on the rotation about the vertical through the base
     shift: float = 0.1  # m, bound on the horizontal shift; half of it up and down
     mirror: bool = True
-    joints: bool = False  # of joint motions too, by the hand's Jacobian (`lfr.skills.moved_joints`)
 
     def copies_of(self, rows: int) -> int:
         """How many copies so many rows get: the more there are, the less they need them."""

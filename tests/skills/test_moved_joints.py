@@ -70,7 +70,7 @@ def test_what_the_hand_leaves_free_stays_as_it_was() -> None:
 
 def test_copies_come_after_the_windows_and_move_alike() -> None:
     observations, actions = windows()
-    params = SymmetryParams(copies=3, shift=0.2, mirror=True, joints=True)
+    params = SymmetryParams(copies=3, shift=0.2, mirror=True)
     generator = torch.Generator().manual_seed(1)
     seen, done = moved_joint_copies(observations, actions, NAMES, params, Gantry(), generator)
     assert (len(seen), len(done)) == (4 * 32, 4 * 32)
@@ -88,7 +88,7 @@ def test_copies_come_after_the_windows_and_move_alike() -> None:
 
 def test_without_copies_nothing_is_drawn() -> None:
     observations, actions = windows()
-    params = SymmetryParams(copies=0, joints=True)
+    params = SymmetryParams(copies=0)
     generator = torch.Generator().manual_seed(1)
     before = generator.get_state()
     seen, _ = moved_joint_copies(observations, actions, NAMES, params, Gantry(), generator)
