@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -36,7 +35,7 @@ evaluate: {{episodes: 1, judges: [engine]}}
     [("panda-joint_position", "sawyer-joint_position"), ("panda", "ur5e-joint_position")],
 )
 def test_a_transfer_between_arms_of_other_actions_runs(
-    source: str, target: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any
+    source: str, target: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Other joints, as many; and another controller with other numbers of dimensions."""
     name = f"j-{target}-lift"
