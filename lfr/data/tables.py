@@ -150,7 +150,10 @@ class DatasetFiles:
         for file in (*named, *others):
             if file in named and not file.is_file():
                 raise DataError("a file of rows is missing", file=file, episode=index)
-            table = _read(file, _schema(file).names).filter(wanted)
+            try:  # of a file that has a row group for each episode, one group is read
+                table = pq.read_table(file, filters=wanted, partitioning=None)  # pyright: ignore[reportArgumentType]
+            except (pa.ArrowInvalid, OSError) as error:
+                raise _cut_off(file, error) from error
             if len(table):
                 return table
         raise DataError("an episode without rows", file=self.path / "data", episode=index)

@@ -75,8 +75,8 @@ class Setting:
 
 
 @dataclass(frozen=True)
-class Asked:
-    """All of `evidence.yaml`, with the parameters of params.yaml beneath."""
+class _File:
+    """evidence.yaml but for its scenarios."""
 
     matrix: Matrix
     options: dict[str, Option]
@@ -85,6 +85,12 @@ class Asked:
     episodes: int
     stock_episodes: int
     settings: dict[str, Setting]
+
+
+@dataclass(frozen=True)
+class Asked(_File):
+    """All of `evidence.yaml`, with the parameters of params.yaml beneath."""
+
     record: RecordParams
     skills: SkillsParams
     mapping: MappingParams
@@ -163,19 +169,6 @@ def read_asked(path: Path = ASKED) -> Asked:
             if option not in asked.options:
                 raise UnknownNameError("option", option, asked.options)
     return asked
-
-
-@dataclass(frozen=True)
-class _File:
-    """evidence.yaml but for its scenarios."""
-
-    matrix: Matrix
-    options: dict[str, Option]
-    methods: dict[str, dict[str, Any]]
-    imitation: ImitationParams
-    episodes: int
-    stock_episodes: int
-    settings: dict[str, Setting]
 
 
 def merged[Params: DataclassInstance](

@@ -7,20 +7,23 @@ compared with the other episodes' of the same camera, and with the robot's motio
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
-from functools import cached_property, partial
-from typing import Any
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lfr.curation.checks.behaviour.signals import Signal, signals, stretches, warning
+from lfr.curation.checks.behaviour.signals import (
+    Signal,
+    correlation,
+    signals,
+    stretches,
+    warning,
+)
+from lfr.curation.checks.decoded import COARSE, COMPARED, Picture, Seen, decode
 from lfr.curation.contents import Contents, Runs, runs
 from lfr.curation.finding import Finding
-from lfr.data.episode import ACTION
+from lfr.data.episode import STATE
 
-SIZE, COARSE = 48, 12  # pixels of the small pictures that are compared, and of coarse ones
-CROP = 192  # pixels of the middle, whose finest detail is measured
 DARK, FLAT = 0.03, 0.01  # of white: mean and spread of a picture that shows nothing
 LONG = 1.0  # seconds that something must last
 FROZEN, SURELY = 0.1, 2.5  # times the change that is usual while the robot moves, and times that
@@ -32,65 +35,16 @@ OTHER_VIEW = 0.5  # the same of an episode from elsewhere
 COLOURED = 0.4  # correlation of where their red is more than their blue
 TURNED = 0.1  # better correlation of the turned picture
 SAME = 0.1  # times the difference that nearest episodes have
-COMPARED = 8  # pictures at an episode's beginning that are compared with other episodes'
 LAG, LONGEST_LAG = 0.25, 1.0  # seconds that pictures may be beside the rows, and that are tried
 MOST_PRODUCTS = 16  # dimensions of a state, of which all products explain a picture
 MOMENTS = 6
 BETTER = (2.0, 1.35)  # times, that they then must be better explained: by moments, or by pixels
 
-Picture = NDArray[np.float32]
 TURNS = {
     "upside down": lambda picture: picture[::-1, ::-1],
     "mirrored": lambda picture: picture[:, ::-1],
     "flipped": lambda picture: picture[::-1],
 }
-
-
-@dataclass
-class Seen:
-    """What an episode's decoded pictures come to.
-
-    Attributes:
-        rows: (F,) of the dataset, of each picture.
-        mean, spread: (F,) of its brightness, white is 1.
-        detail: (F,) its finest.
-        change: (F,) how far it is from the picture before; 0 for the first.
-        coarse: (F, COARSE^2) its brightness.
-        first: the small pictures of its beginning.
-        total: (SIZE, SIZE, 3), the sum of its small pictures.
-    """
-
-    rows: list[int] = field(default_factory=list)
-    mean: list[float] = field(default_factory=list)
-    spread: list[float] = field(default_factory=list)
-    detail: list[float] = field(default_factory=list)
-    change: list[float] = field(default_factory=list)
-    coarse: list[Picture] = field(default_factory=list)
-    first: list[Picture] = field(default_factory=list)
-    total: Any = 0.0
-    _last: Picture | None = None
-
-    def add(self, row: int, frame: Any) -> None:
-        """Take in the picture of a row: an `av.VideoFrame`."""
-        small = frame.reformat(SIZE, SIZE, "rgb24", interpolation="AREA").to_ndarray()
-        small = small.astype(np.float32) / 255
-        self.rows.append(row)
-        self.mean.append(float(small.mean()))
-        self.spread.append(float(small.std()))
-        self.detail.append(_detail(frame.to_ndarray(format="gray")))
-        self.change.append(0.0 if self._last is None else float(np.abs(small - self._last).mean()))
-        part = SIZE // COARSE
-        blocks = small.mean(axis=-1).reshape(COARSE, part, COARSE, part)
-        self.coarse.append(blocks.mean(axis=(1, 3)).ravel())
-        if len(self.first) < COMPARED:
-            self.first.append(small)
-        self.total = self.total + small
-        self._last = small
-
-    @cached_property
-    def picture(self) -> Picture:
-        """The mean picture."""
-        return self.total / len(self.rows)
 
 
 def check_pictures(contents: Contents, stride: int = 2) -> Iterator[Finding]:
@@ -100,20 +54,19 @@ def check_pictures(contents: Contents, stride: int = 2) -> Iterator[Finding]:
         stride: every how many frames one is looked at.
     """
     there = runs(contents)
-    robot = [one for one in signals(contents) if one.key in (ACTION, "observation.state")]
+    state = next((one for one in signals(contents) if one.key == STATE), None)
     for key in contents.pictures():
         seen: dict[int, Seen] = {}
-        yield from _decode(contents, key, there, stride, seen)
+        yield from decode(contents, key, there, stride, seen)
         if seen:
-            yield from _judge(contents, key, there, robot, seen, stride)
+            yield from _judge(contents, key, there, state, seen, stride)
 
 
 def _judge(
-    contents: Contents, key: str, there: Runs, robot: list[Signal], seen: dict[int, Seen],
+    contents: Contents, key: str, there: Runs, state: Signal | None, seen: dict[int, Seen],
     stride: int,
 ) -> Iterator[Finding]:  # fmt: skip
     least = max(int(LONG * contents.fps / stride), 2)
-    state = next((one for one in robot if one.key == "observation.state"), None)
     checks = (
         partial(_nothing, least=least), _sharpness, _views,
         _copies, partial(_frozen, state=state, least=least),
@@ -123,52 +76,6 @@ def _judge(
         for finding in list(check(contents, key, there, seen)):
             seen.pop(_place(there, finding), None)
             yield finding
-
-
-def _decode(
-    contents: Contents, key: str, there: Runs, stride: int, seen: dict[int, Seen]
-) -> Iterator[Finding]:
-    """Fill ``seen`` by the places of the episodes; findings are of files that do not decode."""
-    import av
-    from av.error import FFmpegError
-
-    chunk, number = contents.placed(f"videos/{key}")
-    start = contents.episode_column(f"videos/{key}/from_timestamp")
-    for c, f in sorted(set(zip(chunk.tolist(), number.tolist(), strict=True))):
-        name = contents.named("video_path", video_key=key, chunk_index=c, file_index=f)
-        of_file = np.flatnonzero((chunk == c) & (number == f))
-        of_file = of_file[of_file < len(there.start)]
-        frames = np.rint(start[of_file] * contents.fps).astype(int)
-        where: dict[str, Any] = {"file": name, "column": key}
-        expected = int((frames + there.length[of_file]).max()) if len(of_file) else 0
-        decoded = 0
-        try:
-            with av.open(str(contents.path / name)) as container:
-                stream = container.streams.video[0]
-                stream.thread_type = "AUTO"
-                # strict: a damaged frame is an error, not one that is made up
-                stream.codec_context.options = {"err_detect": "explode"}
-                for frame in container.decode(stream):
-                    at = decoded
-                    decoded += 1
-                    if frame.is_corrupt:
-                        yield Finding("damaged-picture", "a frame that is damaged", **where,
-                                      found=f"frame {at}")  # fmt: skip
-                    inside = np.flatnonzero((frames <= at) & (at < frames + there.length[of_file]))
-                    if not len(inside):
-                        continue
-                    episode = int(of_file[inside[0]])
-                    offset = at - int(frames[inside[0]])
-                    if offset % stride == 0:
-                        row = int(there.start[episode]) + offset
-                        seen.setdefault(episode, Seen()).add(row, frame)
-        except (FFmpegError, OSError, IndexError) as error:
-            yield Finding("damaged-picture", "a video that cannot be decoded", **where,
-                          found=f"{type(error).__name__} after frame {decoded - 1}")  # fmt: skip
-            continue
-        if decoded < expected:
-            yield Finding("damaged-picture", "frames that cannot be decoded", **where,
-                          found=decoded, expected=expected)  # fmt: skip
 
 
 def _nothing(
@@ -213,13 +120,13 @@ def _views(contents: Contents, key: str, there: Runs, seen: dict[int, Seen]) -> 
     if len(seen) < 3:
         return
     usual = np.median(np.stack([one.picture for one in seen.values()]), axis=0)
-    alike = {e: _correlation(_gray(one.picture), _gray(usual)) for e, one in seen.items()}
-    colour = {e: _correlation(_redness(one.picture), _redness(usual)) for e, one in seen.items()}
+    alike = {e: correlation(_gray(one.picture), _gray(usual)) for e, one in seen.items()}
+    colour = {e: correlation(_redness(one.picture), _redness(usual)) for e, one in seen.items()}
     if np.median(list(alike.values())) < STEADY:
         return  # a camera that moves
     usual_colour = float(np.median(list(colour.values())))
     for episode, one in seen.items():
-        turned = {n: _correlation(_gray(t(one.picture)), _gray(usual)) for n, t in TURNS.items()}
+        turned = {n: correlation(_gray(t(one.picture)), _gray(usual)) for n, t in TURNS.items()}
         name = max(turned, key=lambda which: turned[which])
         if turned[name] > alike[episode] + TURNED:
             what = f"the picture is {name}"
@@ -371,12 +278,6 @@ def _apart(found: NDArray, wanted: NDArray, lag: int) -> NDArray[np.float64]:
     return np.array([squares[:MOMENTS].mean(), squares[MOMENTS:].mean()])
 
 
-def _correlation(first: NDArray, second: NDArray) -> float:
-    a, b = first - first.mean(), second - second.mean()
-    scale = float(np.sqrt((a**2).sum() * (b**2).sum()))
-    return float((a * b).sum()) / scale if scale > 0 else 0.0
-
-
 def _gray(picture: Picture) -> Picture:
     return picture.mean(axis=-1)
 
@@ -388,12 +289,3 @@ def _redness(picture: Picture) -> Picture:
 def _place(there: Runs, finding: Finding) -> int:
     """Which of the runs of rows a finding is about."""
     return int(np.searchsorted(there.start, finding.row or 0, side="right")) - 1
-
-
-def _detail(gray: NDArray[np.uint8]) -> float:
-    """The mean of a Laplacian over the middle of a picture, white is 1."""
-    height, width = gray.shape
-    top, left = max((height - CROP) // 2, 0), max((width - CROP) // 2, 0)
-    g = gray[top : top + CROP, left : left + CROP].astype(np.float32) / 255
-    around = g[:-2, 1:-1] + g[2:, 1:-1] + g[1:-1, :-2] + g[1:-1, 2:]
-    return float(np.abs(4 * g[1:-1, 1:-1] - around).mean())

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from lfr.curation.checks.behaviour.signals import Array, Pair, warning
+from lfr.curation.checks.behaviour.signals import Array, Pair, correlation, warning
 from lfr.curation.contents import Contents
 from lfr.curation.finding import Finding
 
@@ -108,18 +108,12 @@ def _why(pair: Pair, episode: int, chosen: Array) -> str:
     state, action = pair.state.values[rows], pair.action.values[rows]
     dimensions = np.flatnonzero(chosen)
     for i in dimensions:
-        if _correlation(state[:, i], action[:, i]) < -0.5:
+        if correlation(state[:, i], action[:, i]) < -0.5:
             return "goes against its action: another sign?"
-        others = [_correlation(state[:, i], action[:, j]) for j in dimensions if j != i]
-        if others and max(others) > 0.95 > _correlation(state[:, i], action[:, i]) + 0.1:
+        others = [correlation(state[:, i], action[:, j]) for j in dimensions if j != i]
+        if others and max(others) > 0.95 > correlation(state[:, i], action[:, i]) + 0.1:
             return "follows another dimension's action: another order?"
     error = (state - action)[:, dimensions]
     if (np.abs(error.mean(axis=0)) > 3 * error.std(axis=0)).all():
         return "is beside its action by the same all along"
     return "does not follow its action"
-
-
-def _correlation(first: Array, second: Array) -> float:
-    apart = first - first.mean(), second - second.mean()
-    scale = float(np.sqrt((apart[0] ** 2).sum() * (apart[1] ** 2).sum()))
-    return float((apart[0] * apart[1]).sum()) / scale if scale > 0 else 0.0

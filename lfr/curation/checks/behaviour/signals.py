@@ -176,3 +176,10 @@ def apart(values: Array, times: float) -> NDArray[np.bool_]:
     middle = np.median(values, axis=0)
     quarter = np.median(np.abs(values - middle), axis=0)
     return np.abs(values - middle) > times * np.maximum(quarter, 1e-12)
+
+
+def correlation(first: Array, second: Array) -> float:
+    """Pearson's, of arrays of one shape; 0 where one of them is constant."""
+    a, b = first - first.mean(), second - second.mean()
+    scale = float(np.sqrt((a**2).sum() * (b**2).sum()))
+    return float((a * b).sum()) / scale if scale > 0 else 0.0
