@@ -12,30 +12,37 @@ from collections.abc import Iterator
 from pathlib import Path
 
 THREADS = Path("/proc/self/task")
+REAL_TIME = {getattr(os, name, None) for name in ("SCHED_FIFO", "SCHED_RR")}
 
 
 @contextlib.contextmanager
 def kept_priority() -> Iterator[None]:
-    """Give every thread that has become a real-time one in the body this thread's former policy.
+    """Give every thread that the body has made a real-time one its former policy again.
 
-    Nothing happens where the system has no such policies.
+    A thread that began in the body gets that of this thread before it. Nothing happens where the
+    system has no such policies.
     """
     if not hasattr(os, "sched_getscheduler") or not THREADS.is_dir():
         yield
         return
-    policy, parameters = os.sched_getscheduler(0), os.sched_getparam(0)
-    real_time = set(_real_time())
+    here = _policy(0)
+    before = dict(_policies())
     try:
         yield
     finally:
-        for thread in _real_time():
-            if thread not in real_time:
+        for thread, now in _policies():
+            former = before.get(thread, here)
+            if now != former and now[0] in REAL_TIME:
                 with contextlib.suppress(OSError):  # it has ended
-                    os.sched_setscheduler(thread, policy, parameters)
+                    os.sched_setscheduler(thread, former[0], os.sched_param(former[1]))
 
 
-def _real_time() -> Iterator[int]:
+def _policies() -> Iterator[tuple[int, tuple[int, int]]]:
     for entry in THREADS.iterdir():
         with contextlib.suppress(OSError):
-            if os.sched_getscheduler(int(entry.name)) in (os.SCHED_FIFO, os.SCHED_RR):
-                yield int(entry.name)
+            yield int(entry.name), _policy(int(entry.name))
+
+
+def _policy(thread: int) -> tuple[int, int]:
+    """A thread's policy, and its priority in it."""
+    return os.sched_getscheduler(thread), os.sched_getparam(thread).sched_priority

@@ -46,11 +46,15 @@ def test_a_video_is_written_without_real_time_threads(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root may become real-time")
-def test_what_becomes_real_time_inside_is_put_back() -> None:
-    before = os.sched_getscheduler(0)
+@pytest.mark.parametrize("before", [os.SCHED_OTHER, os.SCHED_FIFO])
+def test_what_becomes_real_time_inside_is_put_back(before: int) -> None:
+    here = os.sched_getscheduler(0), os.sched_getparam(0)
     try:
+        os.sched_setscheduler(0, before, os.sched_param(int(before == os.SCHED_FIFO)))
         with kept_priority():
-            os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(1))
+            os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(2))
+        assert os.sched_getscheduler(0) == before
     except PermissionError:
         pytest.skip("not even root may, in this container")
-    assert os.sched_getscheduler(0) == before
+    finally:
+        os.sched_setscheduler(0, *here)
