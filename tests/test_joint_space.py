@@ -123,3 +123,24 @@ def test_where_sawyers_stack_is_lost(line: Row) -> None:
     assert line["priors"] == str(len(found))
     assert line["retarget"] == percent(found, "retarget_successes")
     assert line["own arm"] == percent(found, "own_arm_successes")
+
+
+AS_IT_IS = {
+    "repetition": "1", "hidden": "128", "layers": "6", "steps": "6000", "moved_copies": "16",
+    "input_noise": "0.2", "weight_decay": "0.01", "members": "1",
+}  # fmt: skip
+PRIORS = {
+    "as it is": {}, "12,000 steps": {"steps": "12000"}, "48 copies": {"moved_copies": "48"},
+    "input noise 0.3": {"input_noise": "0.3"}, "weight decay 0.1": {"weight_decay": "0.1"},
+    "3 layers": {"layers": "3"}, "256 units": {"hidden": "256"}, "mean of 3": {"members": "3"},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("line", table("prior seeds"), ids=lambda line: line["prior"])
+def test_what_a_priors_training_leaves_to_chance(line: Row) -> None:
+    wanted = AS_IT_IS | PRIORS[line["prior"]]
+    found = [row for row in rows("prior_seeds") if wanted.items() <= row.items()]
+    each = sorted((percent([row], "retarget_successes") for row in found), key=int)
+    assert line["trainings"] == str(len(found))
+    assert line["retarget"] == percent(found, "retarget_successes")
+    assert (line["lowest"], line["highest"]) == (each[0], each[-1])
