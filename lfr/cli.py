@@ -12,8 +12,11 @@ from lfr.program import run_program
 
 # Name -> what it does, and the module with its ``add_arguments(parser)`` and ``run(options)``.
 COMMANDS = {
-    "import": ("make a LeRobot dataset of a robomimic file", "lfr.importing.command"),
-    "columns": ("print a dataset's columns for params.yaml", "lfr.importing.columns_command"),
+    "import": ("make a LeRobot dataset of ROS 2 bags or a robomimic file", "lfr.importing.command"),
+    "columns": (
+        "print a dataset's columns, or a bag's topics, as a mapping",
+        "lfr.importing.columns_command",
+    ),
     "view": ("open an episode, a dataset or a training run in rerun", "lfr.view.command"),
     "verify": ("check a dataset for all that can be wrong", "lfr.curation.verify_command"),
     "replay": ("run recorded actions and compare the states", "lfr.curation.replay_command"),

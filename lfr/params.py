@@ -158,8 +158,20 @@ def _checked_union(kinds: tuple[Any, ...], value: Any, where: str) -> Any:
     for kind in wanted:
         with contextlib.suppress(ParameterError):
             return _checked(kind, value, where)
+    if kind := _meant(wanted, value):
+        return _checked(kind, value, where)  # raises, with what is wrong inside
     names = " or ".join(getattr(kind, "__name__", str(kind)) for kind in wanted)
     raise ParameterError(f"{where}: found {value!r}, expected {names}")
+
+
+def _meant(kinds: list[Any], value: Any) -> Any:
+    """Of the kinds in a union the one that a mapping or list is probably meant to be."""
+    if isinstance(value, Mapping):
+        known = {kind: len({field.name for field in dataclasses.fields(kind)} & set(value))
+                 for kind in kinds if dataclasses.is_dataclass(kind)}  # fmt: skip
+        return max(known, key=lambda kind: known[kind], default=None)
+    lists = [kind for kind in kinds if typing.get_origin(kind) is tuple]
+    return lists[0] if lists and isinstance(value, list | tuple) else None
 
 
 def _checked_tuple(kinds: tuple[Any, ...], value: Any, where: str) -> tuple[Any, ...]:

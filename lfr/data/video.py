@@ -1,4 +1,4 @@
-"""The video files of a dataset, encoded from the JPEG images of its logs.
+"""The video files of a dataset, encoded from the pictures of its episodes as they come.
 
 AV1 by SVT-AV1 with LeRobot's own defaults (a key frame every second frame, crf 30, preset 12),
 because it is the codec that is decoded wherever these datasets are looked at: rerun's native viewer
@@ -13,16 +13,19 @@ from __future__ import annotations
 import contextlib
 import io
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lfr.data.priority import kept_priority
 from lfr.data.stats import Stats, image_stats
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
 
 MAX_BYTES = 200 * 2**20  # of one file, as LeRobot's video_files_size_in_mb
 
@@ -52,8 +55,10 @@ class VideoWriter:
         self._stream: Any = None
         self._histogram = np.zeros((3, 256), np.int64)
         self._count = 0
+        self._first = 0  # the episode's first frame in the current file
+        self._pixels = np.zeros((3, 256), np.int64)  # histogram of the episode so far
 
-    def write(self, images: Sequence[bytes]) -> tuple[dict[str, float | int], Stats]:
+    def write(self, images: Iterable[bytes]) -> tuple[dict[str, float | int], Stats]:
         """Encode one episode's JPEG images.
 
         Returns:
@@ -65,23 +70,35 @@ class VideoWriter:
         """
         from PIL import Image
 
+        self.begin()
+        for data in images:
+            self.add(Image.open(io.BytesIO(data)).convert("RGB"))
+        return self.end()
+
+    def begin(self) -> None:
+        """Begin an episode, whose pictures are then added one by one."""
         if self._size() >= MAX_BYTES:
             self._close_file()
-        histogram = np.zeros((3, 256), np.int64)
-        first = self._frames
-        for data in images:
-            image = Image.open(io.BytesIO(data)).convert("RGB")
-            histogram += np.reshape(image.histogram(), (3, 256))
-            self._encode(np.asarray(image))
-        self._histogram += histogram
-        self._count += len(images)
+        self._first = self._frames
+        self._pixels = np.zeros((3, 256), np.int64)
+
+    def add(self, image: Image) -> None:
+        """Encode the next picture of the episode, an RGB one; raises ValueError as `write`."""
+        self._encode(np.asarray(image))
+        self._pixels += np.reshape(image.histogram(), (3, 256))
+
+    def end(self) -> tuple[dict[str, float | int], Stats]:
+        """End the episode; returns as `write`."""
+        count = self._frames - self._first
+        self._histogram += self._pixels
+        self._count += count
         where = {
             f"videos/{self.key}/chunk_index": (self._files - 1) // 1000,
             f"videos/{self.key}/file_index": (self._files - 1) % 1000,
-            f"videos/{self.key}/from_timestamp": first / self._fps,
+            f"videos/{self.key}/from_timestamp": self._first / self._fps,
             f"videos/{self.key}/to_timestamp": self._frames / self._fps,
         }
-        return where, image_stats(histogram, len(images))
+        return where, image_stats(self._pixels, count)
 
     def close(self) -> None:
         self._close_file()

@@ -1,4 +1,7 @@
-"""``lfr columns``: a LeRobot dataset's columns as the mapping that params.yaml wants of them."""
+"""``lfr columns``: a LeRobot dataset's columns as the mapping that params.yaml wants of them.
+
+Of a bag, its topics as the mapping that ``lfr import`` wants.
+"""
 
 from __future__ import annotations
 
@@ -17,6 +20,7 @@ from lfr.data.features import dimension_names
 from lfr.data.selection import unreadable
 from lfr.data.tables import DatasetFiles
 from lfr.errors import DataError
+from lfr.importing.bag.files import find_bags, is_bag
 
 DIGITS = 4  # of the bounds
 MOST_TASKS = 20  # that are printed
@@ -25,13 +29,19 @@ OBSERVATION = "observation."
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("dataset", type=Path, help="folder of a LeRobot v3.0 dataset")
+    parser.add_argument("dataset", type=Path, help="a LeRobot v3.0 dataset, or an MCAP bag")
     parser.add_argument("--arm", help="what to call the arm (default: the dataset's robot_type)")
     parser.add_argument("--action", default=ACTION, help=f"column of the action (default {ACTION})")
 
 
 def run(options: argparse.Namespace) -> None:
-    """Print an entry for ``external.arms`` of params.yaml, to be shortened by hand."""
+    """Print an entry for ``external.arms`` of params.yaml, to be shortened by hand; or of a bag
+    the mapping for ``lfr import``."""
+    if is_bag(options.dataset):
+        from lfr.importing.bag.proposal import proposal
+
+        print(proposal(find_bags([options.dataset])), end="")
+        return
     print(arm_entry(options.dataset, options.arm, options.action), end="")
 
 

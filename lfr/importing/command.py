@@ -1,13 +1,14 @@
-"""`lfr import FILE.hdf5 --to FOLDER`: a dataset of another project as a LeRobot dataset."""
+"""`lfr import FILE --to FOLDER`: robomimic's HDF5, or bags, as a LeRobot dataset."""
 
 from __future__ import annotations
 
 import argparse
+from collections.abc import Mapping
 from dataclasses import fields
 from pathlib import Path
-from typing import get_args
+from typing import Any, get_args
 
-from lfr.errors import DataError
+from lfr.errors import DataError, ParameterError
 
 CHOICE = ("state", "environment", "action", "quaternions", "success", "video", "simulator_states")
 
@@ -18,8 +19,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     from lfr.importing.features import Choice, Successes
 
     usual = Choice()
-    parser.add_argument("file", type=Path, help="robomimic's HDF5, with observations")
-    parser.add_argument("--to", type=Path, required=True, help="the dataset's folder, a new one")
+    parser.add_argument(
+        "files", type=Path, nargs="+", metavar="file",
+        help="robomimic's HDF5, with observations; or MCAP bags and folders of them",
+    )  # fmt: skip
+    parser.add_argument("--to", "--out", type=Path, required=True, metavar="FOLDER",
+                        help="the dataset's folder, a new one")  # fmt: skip
+    parser.add_argument("--mapping", type=Path, metavar="FILE",
+                        help="of bags: topics and features in YAML, as `lfr columns BAG` "
+                        "proposes; all other options are robomimic's")  # fmt: skip
     parser.add_argument(
         "--state", nargs="+", default=usual.state, metavar="KEY",
         help=f"observations of observation.state (default: {' '.join(usual.state)})",
@@ -56,15 +64,24 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         LfrError: a file that cannot be imported, or a folder that is not free.
     """
+    from lfr.importing.bag.command import run_import
+    from lfr.importing.bag.files import is_bag
     from lfr.importing.dataset import About, import_robomimic
     from lfr.importing.features import Choice
 
-    _refuse_lerobot(arguments.file)
     given = vars(arguments)
+    file = arguments.files[0]
+    if arguments.mapping or is_bag(file):
+        _refuse_options(given)
+        run_import(arguments.files, arguments.mapping, arguments.to)
+        return 0
+    if len(arguments.files) > 1:
+        raise DataError("robomimic's files are imported one by one", file=arguments.files[1])
+    _refuse_lerobot(file)
     lists = {"state": tuple(arguments.state), "environment": tuple(arguments.environment)}
     choice = Choice(**{**{name: given[name] for name in CHOICE}, **lists})
     about = About(**{field.name: given[field.name] for field in fields(About)})
-    counts = import_robomimic(arguments.file, arguments.to, choice, about, arguments.mask)
+    counts = import_robomimic(file, arguments.to, choice, about, arguments.mask)
     print(
         f"{arguments.to}: {counts['episodes']} episodes, {counts['frames']} frames, "
         f"{counts['successes']} successful, {len(counts['cameras'])} cameras"
@@ -74,6 +91,18 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
+def _refuse_options(given: Mapping[str, Any]) -> None:
+    """Raises ParameterError when an option was given that is not for bags."""
+    parser = argparse.ArgumentParser()
+    add_arguments(parser)
+    of_bags = ("files", "to", "mapping", "run")
+    changed = [name for name, value in given.items() if value != parser.get_default(name)]
+    wrong = [name for name in changed if name not in of_bags]
+    if wrong:
+        options = ", ".join("--no-video" if n == "video" else f"--{n}" for n in wrong)
+        raise ParameterError(f"not for bags: {options.replace('_', '-')}; the mapping says it")
+
+
 def _refuse_lerobot(path: Path) -> None:
     """Raises DataError for a folder; of an old LeRobot dataset, with what converts it."""
     from lfr.data.tables import DatasetFiles
@@ -81,6 +110,6 @@ def _refuse_lerobot(path: Path) -> None:
     if not path.is_dir():
         return
     if not (path / "meta" / "info.json").is_file():
-        raise DataError("a folder", file=path, expected="robomimic's HDF5 file")
+        raise DataError("a folder", file=path, expected="robomimic's HDF5 file, or bags")
     version = DatasetFiles.open(path).info["codebase_version"]
     raise DataError("a LeRobot dataset already; nothing to import", file=path, found=version)

@@ -147,7 +147,7 @@ class _Writer:
         where, stats = self.frames.write(features, task_index)
         for camera, video in self.videos.items():
             try:
-                place, stats[video.key] = video.write(list(self.layout.images(demo, camera)))
+                place, stats[video.key] = video.write(self.layout.images(demo, camera))
             except (OSError, TypeError, ValueError) as error:
                 raise DataError(
                     "an image that cannot be encoded; --no-video leaves them out",

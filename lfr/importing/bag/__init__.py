@@ -1,0 +1,1 @@
+"""ROS 2 bags, and other MCAP files, as LeRobot datasets."""
