@@ -146,7 +146,7 @@ class _Indexing:
                     check_kind(decoded)
                 elif reader.names is None:
                     reader.learn(decoded)
-                elif not reader.named:
+                elif not reader.joints:
                     reader.read(decoded)
             if topic.name in self._sayers:
                 value_at(decoded, self._sayers[topic.name])
@@ -171,10 +171,10 @@ class _Indexing:
 
     def _look(self, topic: Topic, place: int, source: Source, message: Message) -> None:
         readers = [self._readers.get(part) for part in self._parts.get(topic.name, ())]
-        named = [reader for reader in readers if reader is not None and reader.named]
+        joints = [reader for reader in readers if reader is not None and reader.joints]
         headers = self._mapping.time in (None, "header")
         decoded = None
-        if named or topic.name in self._sayers or (headers and not source.header_first):
+        if joints or topic.name in self._sayers or (headers and not source.header_first):
             decoded = source.decode(message.data)
         if headers:
             own = stamp_of(decoded) if decoded is not None else stamp_in_cdr(message.data)
@@ -182,7 +182,7 @@ class _Indexing:
         if topic.name in self._sayers:
             topic.said.extend([None] * (place - len(topic.said)))
             topic.said.append(value_at(decoded, self._sayers[topic.name]))
-        for reader in named:
+        for reader in joints:
             ours = self._index.ours.setdefault(reader.part, bytearray())
             ours.extend(bytes(place - len(ours)))
             ours.append(not reader.is_others(decoded))

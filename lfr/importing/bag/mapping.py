@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
@@ -11,7 +12,7 @@ from lfr.errors import ParameterError
 from lfr.importing.bag.values import steps
 from lfr.params import from_mapping, read_yaml
 
-Method = Literal["nearest", "previous"]
+Method = Literal["nearest", "previous", "hold"]
 Clock = Literal["header", "log", "publish"]
 Late = Literal["refuse", "cut"]
 FASTEST = 1000  # frames per second
@@ -28,11 +29,11 @@ class Part:
         names: which numbers in which order, where the message names them as it does joints: one
             that is missing is an error, further ones are left out. Elsewhere what they are called.
         prefix: put before each name, so that the joints of two arms can be told apart.
-        method: a frame takes the message "nearest" to its time, or the last one up to it,
-            "previous", which never looks ahead.
-        tolerance: seconds between a frame and its message above which that is missing; .inf for a
-            topic that speaks only when something changes. By default the mapping's, or else one
-            frame of "nearest" and two of "previous".
+        method: a frame takes the message "nearest" to its time; or the "previous" one, the last up
+            to it, which never looks ahead; or that one however old it is, "hold", for a topic that
+            speaks only when something changes.
+        tolerance: seconds between a frame and its message above which that is missing. By default
+            the mapping's, or else one frame of "nearest" and two of "previous".
     """
 
     topic: str
@@ -45,6 +46,8 @@ class Part:
     def __post_init__(self) -> None:
         steps(self.field)
         _check_tolerance(self.tolerance)
+        if self.method == "hold" and self.tolerance is not None:
+            raise ValueError("a method that holds has no tolerance")
         if self.names is not None and len(set(self.names)) < max(1, len(self.names)):
             raise ValueError(f"names are to be different ones, found {list(self.names)}")
 
@@ -168,7 +171,9 @@ class BagMapping:
         return tuple(dict.fromkeys(part for f in self.features.values() for part in _parts(f)))
 
     def tolerance_of(self, part: Part) -> float:
-        """Nanoseconds."""
+        """Nanoseconds; infinite where the last message holds."""
+        if part.method == "hold":
+            return math.inf
         own = self.tolerance if part.tolerance is None else part.tolerance
         frames = 1 if part.method == "nearest" else 2
         return (frames / self.fps if own is None else own) * 1e9
@@ -194,5 +199,5 @@ def read_mapping(path: Path) -> BagMapping:
 
 
 def _check_tolerance(tolerance: float | None) -> None:
-    if tolerance is not None and not tolerance > 0:  # nan too
+    if tolerance is not None and not 0 < tolerance < math.inf:  # nan too
         raise ValueError(f"tolerance is seconds above 0, found {tolerance}")

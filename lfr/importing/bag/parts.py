@@ -8,7 +8,7 @@ from typing import Any
 
 from lfr.importing.bag.decoding import MessageError
 from lfr.importing.bag.mapping import Part
-from lfr.importing.bag.values import numbers
+from lfr.importing.bag.values import names_at, numbers
 
 Names = tuple[str, ...]
 
@@ -21,13 +21,15 @@ class PartReader:
         part: what the mapping says of it.
         names: of the numbers as messages call them, or as they are called here where messages do
             not name them; None until a message was seen.
-        named: messages name their numbers.
+        named: messages name their numbers: joints, or the fields of a message.
+        joints: they do so by a list beside the numbers, which each message may have another of.
         met: each list of names that messages had.
     """
 
     part: Part
     names: Names | None = None
     named: bool = False
+    joints: bool = False
     met: dict[Names, list[int] | None] = field(default_factory=dict)
 
     def learn(self, message: Any) -> None:
@@ -39,6 +41,7 @@ class PartReader:
         """
         names, values = numbers(message, self.part.field)
         self.named = names is not None
+        self.joints = self.named and names == names_at(message, self.part.field)
         label = self._label()
         counted = (
             (label,) if len(values) == 1 else tuple(f"{label}.{i}" for i in range(len(values)))
@@ -55,9 +58,7 @@ class PartReader:
         Raises:
             MessageError: it does not hold what the mapping says.
         """
-        if not self.named:
-            return False
-        names, _ = numbers(message, self.part.field)
+        names = names_at(message, self.part.field)
         return names is not None and self._places(names) is None
 
     def read(self, message: Any) -> list[float]:
@@ -82,7 +83,7 @@ class PartReader:
     def missing(self) -> tuple[Names, bool]:
         """The names that no message had, or else, and then True, those that none had together."""
         assert self.names is not None
-        if not self.named or any(len(p or ()) == len(self.names) for p in self.met.values()):
+        if not self.joints or any(len(p or ()) == len(self.names) for p in self.met.values()):
             return (), False
         everywhere = {name for names in self.met for name in names}
         lost = tuple(name for name in self.names if name not in everywhere)

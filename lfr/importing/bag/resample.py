@@ -29,7 +29,7 @@ def pick(stamps: Times, times: Times, method: Method) -> NDArray[np.int64]:
     """
     after = np.searchsorted(stamps, times, side="right")
     before = np.maximum(after - 1, 0)
-    if method == "previous":
+    if method != "nearest":
         return before
     after = np.minimum(after, len(stamps) - 1)
     nearer = np.abs(stamps[after] - times) < np.abs(times - stamps[before])

@@ -72,6 +72,11 @@ def numbers(message: Any, path: str) -> Named:
     return tuple(name for name, _ in leaves), [number for _, number in leaves]
 
 
+def names_at(message: Any, path: str) -> tuple[str, ...] | None:
+    """The names that a message gives to the numbers at a path; raises MessageError as `numbers`."""
+    return _follow(message, path)[1]
+
+
 def value_at(message: Any, path: str) -> bool | int | float | str:
     """The one text, number or bool at a path; raises MessageError where there is none."""
     value, _ = _follow(message, path)

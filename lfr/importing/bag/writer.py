@@ -118,7 +118,8 @@ class BagWriter:
             names = self.features[of.next].names or ()
             columns = [names.index(name) for name in self.features[key].names or ()]
             values[key] = whole[of.next][1 : frames + 1, columns]
-        return {key: values[key].astype(np.float32) for key in self.features}
+        rows = {key: values[key].astype(np.float32) for key in self.features}
+        return {key: v[:, 0] if v.shape[1] == 1 else v for key, v in rows.items()}
 
 
 def features_of(mapping: BagMapping, readers: Mapping[Part, PartReader]) -> dict[str, Feature]:
