@@ -18,7 +18,7 @@ from zstandard import ZstdError
 from lfr.errors import DataError
 
 DAMAGE = (McapError, ZstdError, RuntimeError, struct.error, ValueError, EOFError, MemoryError,
-          KeyError)  # fmt: skip
+          KeyError, OverflowError)  # fmt: skip
 """What reading a damaged file raises: its checksums; RuntimeError the lz4 library; KeyError a
 message of a channel or schema that is not there; the rest, lengths and text without a checksum."""
 

@@ -118,8 +118,9 @@ class BagWriter:
             names = self.features[of.next].names or ()
             columns = [names.index(name) for name in self.features[key].names or ()]
             values[key] = whole[of.next][1 : frames + 1, columns]
-        rows = {key: values[key].astype(np.float32) for key in self.features}
-        return {key: v[:, 0] if v.shape[1] == 1 else v for key, v in rows.items()}
+        single = {key: v.astype(np.float32) for key, v in values.items()}
+        return {key: single[key][:, 0] if len(feature.names or ()) == 1 else single[key]
+                for key, feature in self.features.items()}  # fmt: skip
 
 
 def features_of(mapping: BagMapping, readers: Mapping[Part, PartReader]) -> dict[str, Feature]:
