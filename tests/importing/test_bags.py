@@ -412,6 +412,21 @@ def test_what_is_no_bag_is_told(tmp_path: Path, split_bag: Path) -> None:
         take(tmp_path, empty, MAPPING)
 
 
+def test_of_several_bags_one_that_is_wrong_is_refused(tmp_path: Path) -> None:
+    session = tmp_path / "session"
+    ros2.write(session / "take_1.mcap", [(0.0, "/other", "std_msgs/msg/Bool", {"data": True})])
+    ros2.write(session / "take_2.mcap", arm(1.0))
+    ros2.write(session / "take_3.mcap", arm(1.0))
+    (session / "take_4.mcap").write_bytes(b"no bag")
+    found = take(tmp_path, session, MAPPING)
+    assert lengths(tmp_path / "out") == [19, 19]
+    assert "no messages on this topic" in found.refused[0]
+    assert "take_1.mcap" in found.refused[0]
+    assert "not an MCAP file" in found.refused[1]
+    with pytest.raises(DataError, match=r"no episode that can be taken.*no messages on this topic"):
+        take(tmp_path, session, with_camera(), "none")
+
+
 def test_a_bag_given_twice_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     bag = str(ros2.write(tmp_path / "take.mcap", arm(1.0)))
     YAML(typ="safe").dump(MAPPING, tmp_path / "m.yaml")

@@ -16,7 +16,7 @@ from lfr.errors import DataError, LfrError
 from lfr.importing.bag.clock import check_clock, choose_clock
 from lfr.importing.bag.episodes import BagPlan, plan_bag
 from lfr.importing.bag.files import find_bags
-from lfr.importing.bag.index import index_bag, readers_of
+from lfr.importing.bag.index import BagIndex, index_bag, readers_of
 from lfr.importing.bag.lags import Lag, lags_of
 from lfr.importing.bag.mapping import BagMapping, Clock, Part
 from lfr.importing.bag.parts import PartReader
@@ -97,19 +97,28 @@ def import_bags(paths: Sequence[Path], out: Path, mapping: BagMapping) -> Import
 def _plans(
     paths: Sequence[Path], mapping: BagMapping, readers: Mapping[Part, PartReader]
 ) -> tuple[Clock, list[BagPlan]]:
-    """The first reading of all bags, by the clock of the first one."""
+    """The first reading of all bags, by the clock of the first one.
+
+    Of several, one that is not what it should be is refused and the others go on.
+    """
     clock: Clock | None = None
     plans = []
-    for bag in progress(find_bags(paths), "times", "bag"):
-        index = index_bag(bag, mapping, readers)
-        if clock is None:
-            clock = choose_clock(index, mapping)
-        else:
-            check_clock(index, mapping, clock)
+    bags = find_bags(paths)
+    for bag in progress(bags, "times", "bag"):
+        try:
+            index = index_bag(bag, mapping, readers)
+            if clock is None:
+                clock = choose_clock(index, mapping)
+            else:
+                check_clock(index, mapping, clock)
+        except DataError as error:
+            if len(bags) == 1:
+                raise
+            plans.append(BagPlan(BagIndex(bag, {}, {}), refused=[f"refused: {error}"]))
+            continue
         plans.append(plan_bag(index, mapping, clock))
         index.forget_times()
-    assert clock is not None
-    return clock, plans
+    return clock or "log", plans
 
 
 def _write(

@@ -57,6 +57,7 @@ def fill(
     wrong ones are found all the same.
 
     Args:
+        plan: of a bag with episodes.
         videos: of each camera, open; left as they are after the bag's last episode. None only
             looks for what is wrong.
 
@@ -77,17 +78,16 @@ def fill(
         video = None if videos is None else videos[key]
         taker = _Pictures(plan, key, plan.picks[part][frames], video, filled, episode_of[frames])
         takers.setdefault(part.topic, []).append(taker)
-    if plan.episodes:
-        places = dict.fromkeys(takers, 0)
-        for source, message in read_messages(plan.index.bag, takers.keys()):
-            place = places[source.topic]
-            places[source.topic] += 1
-            at = plan.index.at(message.log_time)
-            for taker in takers[source.topic]:
-                taker.take(place, source, message.data, at)
-        for listed in takers.values():
-            for taker in listed:
-                taker.finish()
+    places = dict.fromkeys(takers, 0)
+    for source, message in read_messages(plan.index.bag, takers.keys()):
+        place = places[source.topic]
+        places[source.topic] += 1
+        at = plan.index.at(message.log_time)
+        for taker in takers[source.topic]:
+            taker.take(place, source, message.data, at)
+    for listed in takers.values():
+        for taker in listed:
+            taker.finish()
     return filled
 
 

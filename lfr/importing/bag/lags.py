@@ -35,7 +35,7 @@ def lags_of(plans: Sequence[BagPlan], mapping: BagMapping) -> tuple[Lag, ...]:
     """The lag of each part."""
     lags = []
     for part in mapping.parts:
-        all_ = np.concatenate([plan.lags[part] for plan in plans]) / 1e9
+        all_ = np.concatenate([plan.lags[part] for plan in plans if plan.episodes]) / 1e9
         median, percentile = np.quantile(all_, [0.5, 0.95]).tolist()
         lags.append(Lag(part.topic, part.field, part.method, median, percentile, float(all_.max())))
     return tuple(lags)

@@ -57,6 +57,10 @@ class BagWriter:
 
     def add(self, plan: BagPlan) -> None:
         """Read a bag's frames, and write them unless one was wrong."""
+        if not plan.episodes:
+            self.wrong.append({})
+            self._sizes.append({})
+            return
         videos = None if any(self.wrong) else self._videos
         filled = fill(plan, self._readers, self._mapping.cameras, videos)
         self.wrong.append(filled.wrong)
