@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 PACKAGES = ("lerobot", "robosuite", "mujoco", "numpy", "numba", "torch", "dvc", "rerun-sdk",
             "foxglove-sdk")  # fmt: skip
 SOURCES = ("lfr", "pipeline", "params.yaml", "dvc.yaml", "requirements.lock")
+DEEPEST = 64  # levels of JSON
 
 
 @contextlib.contextmanager
@@ -75,11 +76,33 @@ def read_json(path: Path) -> Any:
         DataError: the file is missing or no JSON.
     """
     try:
-        return json.loads(Path(path).read_text(encoding="utf-8"))
+        return parse_json(Path(path).read_text(encoding="utf-8"))
     except FileNotFoundError:
         raise DataError("the file is missing", file=path) from None
-    except (json.JSONDecodeError, UnicodeDecodeError) as error:
+    except ValueError as error:
         raise DataError("the file is cut off or no JSON", file=path, found=error) from None
+
+
+def parse_json(text: str) -> Any:
+    """What a text in JSON says.
+
+    Raises:
+        ValueError: it is no JSON, or nested more than DEEPEST deep, where whoever reads it would
+            reach the end of Python's stack.
+    """
+    try:
+        content = json.loads(text)
+    except RecursionError:
+        raise ValueError(f"nested more than {DEEPEST} deep") from None
+    if text.count("[") + text.count("{") <= DEEPEST:
+        return content
+    level = [content]
+    for _ in range(DEEPEST):
+        inside = (one.values() if isinstance(one, dict) else one for one in level)
+        level = [one for each in inside for one in each if isinstance(one, dict | list)]
+        if not level:
+            return content
+    raise ValueError(f"nested more than {DEEPEST} deep")
 
 
 def as_json(value: object) -> Any:

@@ -69,7 +69,7 @@ def write_rows(out: Path, sources: Sequence[Source]) -> Rows:
 def _episodes(sources: Sequence[Source], tasks: dict[str, int]) -> Iterator[pa.Table]:
     """The rows of each episode, in the columns and types of the first dataset's first file."""
     with readable(sources[0].path):
-        schema = sources[0].contents.data[0].schema_arrow
+        schema = sources[0].contents.schemas[0]
     for source in sources:
         with readable(source.path):
             yield from _episodes_of(source, schema, tasks)

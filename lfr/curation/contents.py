@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -14,10 +13,13 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
+from lfr.artifacts import parse_json
 from lfr.curation.finding import Finding, Unreadable, unreadable
 from lfr.data import tables
 from lfr.data.features import shape_of
-from lfr.data.tables import VERSION, is_older, other_format
+from lfr.data.source import VERSION, Source, source_of
+from lfr.data.tables import is_older, other_format
+from lfr.data.templates import file_name
 from lfr.errors import DataError
 
 INFO = "meta/info.json"
@@ -36,10 +38,12 @@ class Contents:
     Attributes:
         path: the dataset's folder.
         info: meta/info.json.
+        source: where it came from.
     """
 
     path: Path
     info: dict[str, Any]
+    source: Source
     _columns: dict[str, NDArray] = field(default_factory=dict)
 
     @classmethod
@@ -58,12 +62,12 @@ class Contents:
             raise DataError("not a LeRobot dataset", file=file, found="no such file")
         what = "cut off or no JSON object"
         with unreadable("info", what, ValueError, file=INFO):
-            info = json.loads(file.read_text(encoding="utf-8"))
+            info = parse_json(file.read_text(encoding="utf-8"))
             if not isinstance(info, dict):
                 raise ValueError(type(info).__name__)
         if info.get("codebase_version") != VERSION or is_older(path):
             raise other_format(path, info.get("codebase_version"))
-        return cls(path, info)
+        return cls(path, info, source_of(path))
 
     @property
     def features(self) -> dict[str, dict[str, Any]]:
@@ -75,7 +79,7 @@ class Contents:
     @cached_property
     def fps(self) -> float:
         fps = self.info.get("fps")
-        if isinstance(fps, bool) or not isinstance(fps, int | float) or not fps > 0:
+        if isinstance(fps, bool) or not isinstance(fps, int | float) or not 0 < fps < 1e9:
             raise Unreadable(
                 Finding("info", "no frames per second", file=INFO, column="fps", found=fps,
                         expected="a positive number")
@@ -99,9 +103,8 @@ class Contents:
         Raises:
             Unreadable: it is no format string, or names a place outside of the folder.
         """
-        with unreadable("info", "no such path", KeyError, AttributeError, IndexError, ValueError,
-                        TypeError, file=INFO, column=template):  # fmt: skip
-            name = self.info[template].format(**indices)
+        with unreadable("info", "no such path", ValueError, file=INFO, column=template):
+            name = file_name(self.info.get(template), **indices)
         place = PurePosixPath(name)
         if place.is_absolute() or ".." in place.parts:
             raise Unreadable(Finding("info", "a path that leads out of the dataset", file=INFO,
@@ -188,16 +191,21 @@ class Contents:
         return tables.files_below(self.path / "data", ".parquet")
 
     @cached_property
-    def data(self) -> list[pq.ParquetFile]:
-        """The data files, their footers read."""
+    def footers(self) -> list[pq.FileMetaData]:
+        """Of the data files, which may be more than can be open at once."""
         if not self.data_files:
             raise Unreadable(Finding("missing-file", "no rows", file="data"))
-        return [self.opened(file) for file in self.data_files]
+        return [self.opened(file).metadata for file in self.data_files]
+
+    @cached_property
+    def schemas(self) -> list[pa.Schema]:
+        """Of the data files."""
+        return [footer.schema.to_arrow_schema() for footer in self.footers]
 
     @cached_property
     def rows_of_files(self) -> list[int]:
         """Rows of each data file, by its footer."""
-        return [file.metadata.num_rows for file in self.data]
+        return [footer.num_rows for footer in self.footers]
 
     def column(self, key: str) -> NDArray:
         """A feature of all rows, (N,) or (N, D); what is asked for often is kept."""
@@ -214,13 +222,13 @@ class Contents:
     def table(self, columns: Sequence[str]) -> pa.Table:
         """These columns of all rows."""
         parts = []
-        for name, file in zip(self.data_files, self.data, strict=True):
+        for name, footer, schema in zip(self.data_files, self.footers, self.schemas, strict=True):
             where: dict[str, Any] = {"file": self.relative(name), "column": ", ".join(columns)}
-            missing = [column for column in columns if column not in file.schema_arrow.names]
+            missing = [column for column in columns if column not in schema.names]
             if missing:
                 raise Unreadable(Finding("schema", "a column is missing", **where))
             with unreadable("damaged-file", "its rows cannot be read", pa.ArrowException, OSError,
-                            **where):  # fmt: skip
+                            **where), pq.ParquetFile(name, metadata=footer) as file:  # fmt: skip
                 parts.append(file.read(columns=list(columns), use_threads=False))
         with unreadable("schema", "another type in another file", pa.ArrowException, file="data",
                         column=", ".join(columns)):  # fmt: skip
@@ -238,6 +246,8 @@ class Contents:
 
     def opened(self, file: Path) -> pq.ParquetFile:
         """A Parquet file, its footer read."""
+        if not file.is_file():
+            raise Unreadable(Finding("missing-file", "not there", file=self.relative(file)))
         with unreadable("damaged-file", "unfinalized or cut-off Parquet", pa.ArrowException,
                         OSError, file=self.relative(file)):  # fmt: skip
             return pq.ParquetFile(file)

@@ -18,7 +18,7 @@ from pathlib import Path
 from mcap.records import Message, Metadata, Schema
 from mcap.writer import CompressionType, Writer
 
-from lfr.artifacts import write_whole
+from lfr.artifacts import parse_json, write_whole
 from lfr.curation.salvage import Salvage, salvage
 from lfr.data import messages
 from lfr.data.log_reader import PER_FRAME, read_log
@@ -110,7 +110,7 @@ def recover(log: Path) -> Recovery:
         raise DataError("recovered before; remove it to do it again", file=mended)
     ours = saved.record("episode") is not None and saved.record("features") is not None
     outcome = (saved.record("outcome") if ours else None) or {}
-    said = json.loads(outcome.get("frames", "null"))
+    said = parse_json(outcome.get("frames", "null"))
     kept, frames = _whole_frames(saved) if ours else (saved.messages, None)
     if frames == 0:
         raise DataError("nothing to recover: no whole frame", file=log)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import zlib
-from collections.abc import Iterable
+from collections import Counter
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -20,7 +20,7 @@ from mcap.records import (
 )
 from mcap.stream_reader import StreamReader, breakup_chunk
 
-from lfr.data.mcap_file import DAMAGE, MAGIC
+from lfr.data.mcap_file import DAMAGE, MAGIC, crc
 from lfr.errors import DataError
 
 
@@ -54,15 +54,20 @@ class Salvage:
         return next(found, None)
 
 
-def salvage(log: Path) -> Salvage:
+def salvage(log: Path, take: Callable[[Message], object] | None = None) -> Salvage:
     """Every whole record of a file, whole or not.
+
+    Args:
+        take: is given each message of a whole record; then none is kept, so that a file may be
+            larger than the memory.
 
     Raises:
         DataError: there is no such file, or it is no MCAP file.
     """
     if not log.is_file():
         raise DataError("no such log", file=log)
-    saved = Salvage()
+    saved, counts = Salvage(), Counter[int]()
+    keep = take or saved.messages.append
     with log.open("rb") as stream:
         if stream.read(len(MAGIC)) != MAGIC:
             raise DataError("not an MCAP file", file=log)
@@ -79,32 +84,32 @@ def salvage(log: Path) -> Salvage:
             except DAMAGE:
                 break
             if isinstance(record, DataEnd) and record.data_section_crc and not saved.damaged:
-                saved.suspect = _crc(log, good) != record.data_section_crc
+                with log.open("rb") as whole:
+                    saved.suspect = crc(whole, 0, good) != record.data_section_crc
             good = stream.tell()
             for part in _parts(record, saved):
-                _keep(part, saved)
+                if isinstance(part, Message):
+                    counts[part.channel_id] += 1
+                    keep(part)
+                else:
+                    _keep(part, saved)
         saved.unread = 0 if saved.finished else size - good
-    _settle(saved)
+    _settle(saved, counts)
     return saved
 
 
-def _settle(saved: Salvage) -> None:
+def _settle(saved: Salvage, counts: Counter[int]) -> None:
     """Keep the messages of which it is known what they are, as the summary may have said last."""
     known = {
         id
         for id, channel in saved.channels.items()
         if channel.schema_id == 0 or channel.schema_id in saved.schemas
     }
-    lost = [message for message in saved.messages if message.channel_id not in known]
-    if lost:
+    if lost := counts.keys() - known:
         saved.messages = [message for message in saved.messages if message.channel_id in known]
-        saved.nameless = len(lost)
-        ids = {message.channel_id for message in lost} & saved.channels.keys()
+        saved.nameless = sum(counts[id] for id in lost)
+        ids = lost & saved.channels.keys()
         saved.lost_topics = tuple(sorted(saved.channels[id].topic for id in ids))
-
-
-def _crc(log: Path, size: int) -> int:
-    return zlib.crc32(memoryview(log.read_bytes())[:size])
 
 
 def _parts(record: McapRecord, saved: Salvage) -> Iterable[McapRecord]:
@@ -125,8 +130,6 @@ def _keep(record: McapRecord, saved: Salvage) -> None:
             saved.schemas.setdefault(record.id, record)
         case Channel():
             saved.channels.setdefault(record.id, record)
-        case Message():
-            saved.messages.append(record)
         case Metadata():
             saved.metadata.append(record)
         case Attachment():

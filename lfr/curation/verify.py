@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,7 @@ from lfr.curation.checks.values import check_values
 from lfr.curation.checks.videos import check_videos
 from lfr.curation.contents import Contents
 from lfr.curation.finding import Finding, Unreadable
+from lfr.data.source import Fault, source_of
 from lfr.errors import DataError
 from lfr.progress import progress
 
@@ -90,7 +92,8 @@ def verify_dataset(path: Path, logs: Path | None = None, pictures: int | None = 
     """Check a LeRobot v3.0 dataset for all that can be wrong with it.
 
     Args:
-        path: the dataset's folder; nothing is written to it.
+        path: the dataset's folder, or what `lfr.data.opening.opened` gave of one; nothing is
+            written to it.
         logs: the folder of the logs it was packed from; by default `data/logs/<name>` beside a
             dataset `data/lerobot/<name>`, where that is.
         pictures: every how many frames of its videos one is decoded and looked at; None leaves
@@ -99,27 +102,35 @@ def verify_dataset(path: Path, logs: Path | None = None, pictures: int | None = 
     Raises:
         DataError: there is no LeRobot v3.0 dataset at `path`, or no folder `logs`.
     """
-    path = Path(path)
+    source = source_of(Path(path))
+    name = Path(source.name)
     if logs is not None and not logs.is_dir():
         raise DataError("no such folder of logs", file=logs)
     try:
-        contents = Contents.open(path)
+        contents = Contents.open(source.path)
     except Unreadable as unreadable:
-        return Report(path, (unreadable.finding,))
-    logs = logs or default_folder(path)
+        return Report(name, (unreadable.finding,))
+    logs = logs or default_folder(source.origin)
     checks: dict[str, Check] = {**CHECKS, "logs": partial(check_logs, folder=logs)}
     if pictures is not None:
         checks["pictures"] = partial(check_pictures, stride=pictures)
     findings: dict[Finding | str, Finding] = {}
-    bar = progress(checks.items(), f"verify {path.name}", "check")
-    for _, check in bar:
-        for finding in _all(check, contents):
-            findings.setdefault(str(finding), finding)  # a file that two checks cannot read
+    bar = progress(checks.items(), f"verify {name.name}", "check")
+    of_checks = (finding for _, check in bar for finding in _all(check, contents))
+    for finding in chain(map(_of_fault, source.faults), of_checks):
+        said = replace(finding, file=source.said(finding.file, finding.column),
+                       message=source.said(finding.message))  # fmt: skip
+        findings.setdefault(str(said), said)  # a file that two checks cannot read
     totals = [contents.info.get(name) for name in ("total_episodes", "total_frames")]
     episodes, frames = (total if isinstance(total, int) else 0 for total in totals)
     return Report(
-        path, tuple(findings.values()), episodes, frames, tuple(_not_checked(contents, logs))
+        name, tuple(findings.values()), episodes, frames, tuple(_not_checked(contents, logs))
     )
+
+
+def _of_fault(fault: Fault) -> Finding:
+    return Finding(fault.check, fault.message, file=fault.file, found=fault.found,
+                   expected=fault.expected, places=fault.places)  # fmt: skip
 
 
 def _all(check: Check, contents: Contents) -> Iterator[Finding]:

@@ -31,8 +31,16 @@ class LogKind:
         """Refuse an episode, read from `log`, that is not fit to be number `index`.
 
         Raises:
-            DataError: another robot, task, rate or name, or a camera is missing; a value is not
-                finite.
+            DataError: it is of another kind; a value is not finite.
+        """
+        self.check_kind(episode, log, index)
+        _check_finite(episode, log, index)
+
+    def check_kind(self, episode: Episode, log: Path, index: int) -> None:
+        """Refuse an episode that is not of this kind.
+
+        Raises:
+            DataError: another robot, task, rate or name, or a camera is missing.
         """
         schema, first = episode.schema, self.episode
         pairs = {
@@ -56,7 +64,6 @@ class LogKind:
                     found=found,
                     expected=expected,
                 )
-        _check_finite(episode, log, index)
 
 
 def _check_finite(episode: Episode, log: Path, index: int) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections import defaultdict
 from collections.abc import Callable, Mapping
 from functools import cache
@@ -15,6 +14,7 @@ from google.protobuf.message import DecodeError, Message
 from mcap.records import Schema
 from numpy.typing import NDArray
 
+from lfr.artifacts import parse_json
 from lfr.data import messages
 from lfr.data.episode import (
     ACTION,
@@ -225,7 +225,7 @@ def _class(schema: Schema | None) -> type[Message]:
 def _parse(name: str, record: Mapping[str, str]) -> dict[str, Any]:
     """Numbers and structure where the writer put them; every other text stays a text."""
     parsed = INTEGERS if name == "episode" else record if name in STRUCTURED else ()
-    return {key: json.loads(text) if key in parsed else text for key, text in record.items()}
+    return {key: parse_json(text) if key in parsed else text for key, text in record.items()}
 
 
 def _stack(rows: list[Any], topic: str, path: Path) -> NDArray[np.float64]:

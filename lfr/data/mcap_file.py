@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from itertools import groupby
 from pathlib import Path
+from typing import BinaryIO
 
 from mcap.exceptions import McapError
 from mcap.reader import McapReader, make_reader
@@ -51,7 +52,7 @@ def open_whole(path: Path) -> Iterator[McapReader]:
             expected=f"an end of {MAGIC!r}",
         )
     try:
-        _check_sums(data)
+        check_sums(io.BytesIO(data))
         yield make_reader(io.BytesIO(data), validate_crcs=True)
     except DAMAGE as error:
         raise DataError(
@@ -62,25 +63,45 @@ def open_whole(path: Path) -> Iterator[McapReader]:
         ) from error
 
 
-def _check_sums(data: bytes) -> None:
+def check_sums(stream: BinaryIO) -> None:
     """The readers of the `mcap` package check a chunk's messages only, not metadata or summary.
+
+    Args:
+        stream: a file with an end, which may be larger than the memory.
 
     Raises:
         ValueError: the data section or the summary is not what its CRC says (0 is no CRC).
+        struct.error: the file is too short for an end.
     """
-    footer_at = len(data) - len(MAGIC) - _FOOTER.size
-    _, _, summary_at, _, summary_crc = _FOOTER.unpack_from(data, footer_at)
+    size = stream.seek(0, os.SEEK_END)
+    footer_at = size - len(MAGIC) - _FOOTER.size
+    _, _, summary_at, _, summary_crc = _FOOTER.unpack(
+        _read(stream, max(footer_at, 0), _FOOTER.size)
+    )
     end_at = (summary_at or footer_at) - _DATA_END.size
     if not len(MAGIC) <= end_at <= footer_at:
         raise ValueError(f"a summary at byte {summary_at}")
-    opcode, length, data_crc = _DATA_END.unpack_from(data, end_at)
+    opcode, length, data_crc = _DATA_END.unpack(_read(stream, end_at, _DATA_END.size))
     if (opcode, length) != (0x0F, 4):
         raise ValueError("no end of the data before the summary")
-    if data_crc and zlib.crc32(memoryview(data)[:end_at]) != data_crc:
+    if data_crc and crc(stream, 0, end_at) != data_crc:
         raise ValueError("the data's CRC differs")
-    summary = memoryview(data)[end_at + _DATA_END.size : -len(MAGIC) - 4]
-    if summary_crc and zlib.crc32(summary) != summary_crc:
+    if summary_crc and crc(stream, end_at + _DATA_END.size, size - len(MAGIC) - 4) != summary_crc:
         raise ValueError("the summary's CRC differs")
+
+
+def _read(stream: BinaryIO, at: int, size: int) -> bytes:
+    stream.seek(at)
+    return stream.read(size)
+
+
+def crc(stream: BinaryIO, start: int, end: int) -> int:
+    """CRC-32 of the bytes from `start` to before `end`."""
+    stream.seek(start)
+    found = 0
+    while part := stream.read(min(end - start, 2**20)):
+        found, start = zlib.crc32(part, found), start + len(part)
+    return found
 
 
 def message_counts(path: Path) -> dict[str, int]:

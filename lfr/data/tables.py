@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import shlex
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -17,9 +17,9 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from lfr.artifacts import read_json
+from lfr.data.source import VERSION, Source, source_of
+from lfr.data.templates import file_name
 from lfr.errors import DataError
-
-VERSION = "v3.0"
 
 Row = dict[str, Any]
 """What meta/episodes says of one episode."""
@@ -31,13 +31,15 @@ class DatasetFiles:
 
     path: Path
     info: dict[str, Any]
+    source: Source
 
     @classmethod
     def open(cls, path: Path) -> DatasetFiles:
         """Open the dataset at `path`.
 
         Raises:
-            DataError: there is no LeRobot v3.0 dataset; of v2.1 it says what converts it.
+            DataError: there is no LeRobot v3.0 dataset, or its info.json describes no features; of
+                v2.1 it says what converts it.
         """
         path = Path(path)
         file = path / "meta" / "info.json"
@@ -49,11 +51,24 @@ class DatasetFiles:
         version = info.get("codebase_version") if isinstance(info, dict) else None
         if version != VERSION or is_older(path):
             raise other_format(path, version)
-        return cls(path, info)
+        features = info.get("features")
+        if not isinstance(features, dict) or not all(map(_is_described, features.values())):
+            raise DataError("no features, each with a dtype and a shape", file=file,
+                            column="features")  # fmt: skip
+        return cls(path, info, source_of(path))
 
     @property
     def features(self) -> dict[str, dict[str, Any]]:
         return self.info["features"]
+
+    @property
+    def fps(self) -> float:
+        """Frames per second. Raises DataError where info.json does not say it."""
+        fps = self.info.get("fps")
+        if isinstance(fps, bool) or not isinstance(fps, int | float) or not 0 < fps < 1e9:
+            raise DataError("no frames per second", file=self.path / "meta" / "info.json",
+                            column="fps", found=fps, expected="a positive number")  # fmt: skip
+        return fps
 
     @cached_property
     def episodes(self) -> pa.Table:
@@ -114,10 +129,12 @@ class DatasetFiles:
         kind, _, key = prefix.partition("/")
         template = "data_path" if kind == "data" else "video_path"
         try:
-            return self.path / self.info[template].format(video_key=key, **where)
-        except (KeyError, IndexError, ValueError, AttributeError, TypeError) as error:
+            name = file_name(self.info.get(template), video_key=key, **where)
+        except ValueError as error:
             raise DataError("no such path", file=self.path / "meta/info.json", column=template,
                             found=error) from error  # fmt: skip
+        self.source.fetch(name)
+        return self.path / name
 
     def number(self, row: Row, column: str) -> float:
         """A number of meta/episodes' row of an episode.
@@ -146,8 +163,7 @@ class DatasetFiles:
             named = [self.file_of(row, "data")]
         except DataError:  # then they are looked for
             named = []
-        others = [file for file in self.files("data") if file not in named]
-        for file in (*named, *others):
+        for file in self._named_and_others(named):
             if file in named and not file.is_file():
                 raise DataError("a file of rows is missing", file=file, episode=index)
             try:  # of a file that has a row group for each episode, one group is read
@@ -157,6 +173,10 @@ class DatasetFiles:
             if len(table):
                 return table
         raise DataError("an episode without rows", file=self.path / "data", episode=index)
+
+    def _named_and_others(self, named: list[Path]) -> Iterator[Path]:
+        yield from named
+        yield from (file for file in self.files("data") if file not in named)
 
     def data(self, columns: Sequence[str]) -> pa.Table:
         """The rows of all episodes.
@@ -168,6 +188,7 @@ class DatasetFiles:
 
     def files(self, folder: str) -> list[Path]:
         """The Parquet files of a folder, in order. Raises DataError when there are none."""
+        self.source.fetch(folder)
         files = files_below(self.path / folder, ".parquet")
         if not files:
             raise DataError("no Parquet files; pack the logs again", file=self.path / folder)
@@ -200,16 +221,23 @@ def is_older(path: Path) -> bool:
     return (meta / "episodes.jsonl").is_file() and not (meta / "episodes").is_dir()
 
 
+def _is_described(feature: object) -> bool:
+    if not isinstance(feature, dict) or not isinstance(feature.get("dtype"), str):
+        return False
+    shape = feature.get("shape")
+    return isinstance(shape, list) and all(isinstance(size, int) for size in shape)
+
+
 def other_format(path: Path, version: object) -> DataError:
     """What is said of the LeRobot dataset at `path`, which is of another version than VERSION."""
-    if version == VERSION:  # what it says, and not what it is
-        version = f"{version}, and meta/episodes.jsonl of v2.1; set codebase_version to v2.1 first"
-    return DataError(
-        f"another LeRobot format; convert it in place with: {conversion(path)}",
-        file=path / "meta" / "info.json",
-        found=version,
-        expected=VERSION,
-    )
+    message = "another LeRobot format"
+    if not is_older(path) and (path / "meta" / "episodes").is_dir():
+        message += f" by its name alone, with the files of {VERSION}; correct info.json"
+    elif is_older(path) or str(version).startswith("v2."):
+        message += f"; for all but verify, view and columns convert it with: {conversion(path)}"
+        if version == VERSION:  # what it says, and not what it is
+            version = f"{version}, and meta/episodes.jsonl of v2.1; set it to v2.1 first"
+    return DataError(message, file=path / "meta" / "info.json", found=version, expected=VERSION)
 
 
 def conversion(path: Path) -> str:

@@ -8,12 +8,12 @@ what was there before, or nothing that loads, and the next attempt finds the lar
 
 from __future__ import annotations
 
-import re
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
+from lfr.data.repository import plain
 from lfr.errors import LfrError
 from lfr.hub.publication import CARD, Publication
 
@@ -105,7 +105,7 @@ def _explained(repo_id: str) -> Iterator[None]:
     except LocalTokenNotFoundError:
         raise PublishError(f"cannot publish to {repo_id}: found no token; {LOG_IN}") from None
     except HFValidationError as error:
-        raise PublishError(f"{repo_id!r} is no repository: {_plain(error)}") from None
+        raise PublishError(f"{repo_id!r} is no repository: {plain(error)}") from None
     except (httpx.HTTPError, *BROKEN, RuntimeError, ValueError) as error:  # RuntimeError: uploads
         raise PublishError(f"cannot publish to {repo_id}: {_reason(error)}") from None
 
@@ -126,15 +126,5 @@ def _reason(error: BaseException) -> str:
         return f"the Hub says {status}; {AGAIN}"
     lost = (httpx.TransportError, *BROKEN)
     if (broken := next((each for each in causes if isinstance(each, lost)), None)) is not None:
-        return f"the connection broke ({_plain(broken) or type(broken).__name__}); {AGAIN}"
-    return _plain(error)
-
-
-def _plain(error: BaseException) -> str:
-    """An error's words on one line; the token, should a server repeat it, is blotted out."""
-    from huggingface_hub import get_token
-
-    text = re.sub(r"\s+", " ", str(error)).strip()
-    token = get_token()
-    text = text.replace(token, "***") if token else text
-    return re.sub(r"\bhf_\w{8,}", "***", text)
+        return f"the connection broke ({plain(broken)}); {AGAIN}"
+    return plain(error)

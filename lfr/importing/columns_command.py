@@ -18,7 +18,7 @@ from lfr.data import tables
 from lfr.data.episode import ACTION
 from lfr.data.features import dimension_names
 from lfr.data.selection import unreadable
-from lfr.data.tables import DatasetFiles
+from lfr.data.tables import DatasetFiles, conversion
 from lfr.errors import DataError
 from lfr.importing.bag.files import find_bags, is_bag
 
@@ -29,7 +29,9 @@ OBSERVATION = "observation."
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("dataset", type=Path, help="a LeRobot v3.0 dataset, or an MCAP bag")
+    about = "folder of a LeRobot dataset, or its name on the Hub (owner/name); or an MCAP bag"
+    parser.add_argument("dataset", type=Path, help=about)
+    parser.add_argument("--revision", help="of a dataset on the Hub: a branch, tag or commit")
     parser.add_argument("--arm", help="what to call the arm (default: the dataset's robot_type)")
     parser.add_argument("--action", default=ACTION, help=f"column of the action (default {ACTION})")
 
@@ -37,12 +39,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Print an entry for ``external.arms`` of params.yaml, to be shortened by hand; or of a bag
     the mapping for ``lfr import``."""
+    from lfr.data.opening import opened
+
     if is_bag(options.dataset):
         from lfr.importing.bag.proposal import proposal
 
         print(proposal(find_bags([options.dataset])), end="")
         return
-    print(arm_entry(options.dataset, options.arm, options.action), end="")
+    with opened(options.dataset, options.revision) as path:
+        print(arm_entry(path, options.arm, options.action), end="")
 
 
 def arm_entry(path: Path, arm: str | None = None, action: str = ACTION) -> str:
@@ -67,8 +72,8 @@ def arm_entry(path: Path, arm: str | None = None, action: str = ACTION) -> str:
     robot = files.info.get("robot_type")
     low, high = _bounds(files, action)
     name = arm or _slug(robot or files.path.name) or "arm"
-    lines = [f"{name}:", f"  path: {_text(path.as_posix())}"]
-    fps = files.info["fps"]
+    lines = [*_notes(files), f"{name}:", f"  path: {_text(Path(files.source.name).as_posix())}"]
+    fps = files.fps
     lines.append(f"  fps: {int(fps) if fps == int(fps) else fps}")
     lines += [f"  robot_type: {json.dumps(robot)}"] if robot else []
     lines.append("  observation:")
@@ -89,6 +94,17 @@ def arm_entry(path: Path, arm: str | None = None, action: str = ACTION) -> str:
     if len(instructions) > MOST_TASKS:
         lines.append(f"    # and {len(instructions) - MOST_TASKS} more, as meta/tasks.parquet says")
     return "\n".join(lines) + "\n"
+
+
+def _notes(files: DatasetFiles) -> list[str]:
+    """What is to be done before a stage can read the dataset."""
+    source, lines = files.source, []
+    if source.on_hub:
+        lines.append(f"# on the Hub; `hf download {source.name} --repo-type dataset --revision "
+                     f"{source.origin.name} --local-dir {source.name}` brings it here")  # fmt: skip
+    if source.is_older:
+        lines.append(f"# LeRobot {source.version}; convert it: {conversion(Path(source.name))}")
+    return lines
 
 
 def _said(column: str, names: tuple[str, ...], taken: Sequence[str]) -> tuple[str, ...]:

@@ -85,7 +85,7 @@ def collection_of(path: Path) -> Collection | None:
     if not is_collection(path):
         return None
     if path.is_dir() and is_dataset(path):
-        fps = DatasetFiles.open(path).info["fps"]
+        fps = DatasetFiles.open(path).fps
         return Collection(name, fps, partial(dataset_entries, path), partial(_of_dataset, path))
     logs = [path] if path.is_file() else sorted(path.glob("*.mcap"))
     entries, read = partial(log_entries, logs), partial(_of_logs, logs, path)

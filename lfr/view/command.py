@@ -11,7 +11,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lfr.errors import LfrError
-from lfr.view.recordings import MOST, VALID, Shown, Wanted, existing, make_episodes, recordings
+from lfr.view.recordings import (
+    MOST,
+    VALID,
+    Shown,
+    Wanted,
+    existing,
+    going,
+    make_episodes,
+    recordings,
+)
 from lfr.view.selection import ORDERS, Ranges, Selection
 
 if TYPE_CHECKING:
@@ -22,6 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The arguments of `lfr view`."""
     parser.add_argument("path", type=Path, help=VALID)
     parser.add_argument("--list", action="store_true", help="print the episodes, open nothing")
+    parser.add_argument("--revision", help="of a dataset on the Hub: a branch, tag or commit")
 
     chosen = parser.add_argument_group("which episodes, of a dataset or a folder of logs")
     chosen.add_argument(
@@ -79,21 +89,26 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         LfrError: a path that cannot be viewed, or no screen to view it on.
     """
-    if arguments.list:
-        return _list(arguments)
-    from lfr.view.viewer import has_screen, show
+    from lfr.data.opening import opened
 
-    _check_names(arguments)
-    opens = arguments.save is None and arguments.screenshot is None
-    if opens and not arguments.web and not has_screen():
-        show([], web=False)  # says so before anything is built
+    if not arguments.list:
+        _check_names(arguments)
+        _check_screen(arguments)
+    with opened(going(arguments.path), arguments.revision) as path:
+        there = argparse.Namespace(**{**vars(arguments), "path": path})
+        return _list(there) if arguments.list else _open(there)
+
+
+def _open(arguments: argparse.Namespace) -> int:
+    from lfr.view.viewer import show
+
     with tempfile.TemporaryDirectory(prefix="lfr-view-") as name:
         folder, wanted = Path(name), _wanted(arguments)
         if arguments.side_by_side is not None:
             shown = _side_by_side(arguments, folder, wanted)
         else:
             shown = recordings(arguments.path, folder, wanted)
-        if not opens:
+        if not _opens(arguments):
             return _write(arguments, shown)
         show(
             shown.files, web=arguments.web, address=arguments.bind,
@@ -215,6 +230,18 @@ def _check_names(arguments: argparse.Namespace) -> None:
     if arguments.screenshot is not None and arguments.screenshot.suffix != ".png":
         raise LfrError(f"--screenshot writes PNG: found {arguments.screenshot}, "
                        "expected a name in .png")  # fmt: skip
+
+
+def _check_screen(arguments: argparse.Namespace) -> None:
+    """Says that there is none before anything is fetched or built."""
+    from lfr.view.viewer import has_screen, show
+
+    if _opens(arguments) and not arguments.web and not has_screen():
+        show([], web=False)
+
+
+def _opens(arguments: argparse.Namespace) -> bool:
+    return arguments.save is None and arguments.screenshot is None
 
 
 def _ranges(text: str) -> Ranges:

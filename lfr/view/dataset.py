@@ -76,8 +76,8 @@ def read_episode(path: Path, index: int) -> Episode:
                 }
                 for name, f in info["features"].items()
             },
-            "fps": info["fps"],
-            "file": str(path),
+            "fps": files.fps,
+            "file": files.source.name,
             "episode": index,
             "log_file": row.get("log_file"),
             "log_sha256": row.get("log_sha256"),
@@ -157,6 +157,6 @@ def _frames(files: DatasetFiles, row: Row, name: str) -> list[bytes]:
     """The frames of one camera as JPEG files, decoded from the dataset's video."""
     count = row["length"]
     start = files.number(row, f"videos/{name}/from_timestamp")
-    first = round(start * files.info["fps"])
+    first = round(start * files.fps)
     file = files.file_of(row, f"videos/{name}")
     return [_jpeg(frame.to_image()) for frame in frames(file, range(first, first + count), name)]

@@ -133,23 +133,27 @@ def _per_episode(
 
 
 def _log_entry(index: int, path: Path) -> Entry:
-    import json
+    from google.protobuf.message import DecodeError
 
+    from lfr.artifacts import parse_json
     from lfr.data import messages
     from lfr.data.mcap_file import open_whole
 
     try:
         with open_whole(path) as reader:
             said = {record.name: record.metadata for record in reader.iter_metadata()}
-            total = 0.0
-            for schema, _, message in reader.iter_messages(topics=[messages.REWARD]):
-                if schema is not None:
-                    reward: Any = messages.message_class(schema.name, schema.data)
-                    total += reward.FromString(message.data).reward
-        outcome = {key: json.loads(text) for key, text in said["outcome"].items()}
-        seed = int(json.loads(said["episode"]["seed"]))
+            ours = {"episode", "outcome"} <= said.keys()  # else these rewards are anybody's
+            topics = [messages.REWARD] if ours else []
+            rewards = [(schema, message) for schema, _, message in reader.iter_messages(topics)]
+        outcome = {key: parse_json(text) for key, text in said["outcome"].items()}
+        seed = int(parse_json(said["episode"]["seed"]))
+        total = 0.0
+        for schema, message in rewards:
+            if schema is not None:
+                reward: Any = messages.message_class(schema.name, schema.data)
+                total += reward.FromString(message.data).reward
         return Entry(index, outcome["frames"], outcome["success"], total, seed, path.name)
     except DataError as error:
         return Entry(index, 0, note=f"{path.name}: {error.message}")
-    except (KeyError, ValueError):
+    except (KeyError, ValueError, TypeError, AttributeError, DecodeError):
         return Entry(index, 0, note=f"{path.name}: no log of lfr")

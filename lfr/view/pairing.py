@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+from lfr.data.opening import opened
 from lfr.errors import LfrError
 from lfr.view.collection import Collection, collection_of
-from lfr.view.recordings import Wanted, existing, is_policy, recordings, save_policy
+from lfr.view.recordings import Wanted, existing, going, is_policy, recordings, save_policy
 from lfr.view.selection import Ranges, Selection
 from lfr.view.side_by_side import save_side_by_side
 
@@ -31,7 +32,8 @@ def save_pair(out: Path, path: Path, other: str, folder: Path, wanted: Wanted) -
     left = one_of(path, folder / "left", wanted)
     seed = _seed(existing(path), wanted)
     place, number = parse_other(other, path)
-    right = one_of(place, folder / "right", _answer(existing(place), number, seed, wanted))
+    with opened(going(place)) as there:
+        right = one_of(there, folder / "right", _answer(existing(there), number, seed, wanted))
     save_side_by_side(out, left, right, at=wanted.at)
 
 

@@ -16,8 +16,9 @@ if TYPE_CHECKING:
     from lfr.view.learning import RunRecordings
 
 VALID = (
-    "an MCAP log (.mcap) or a folder of logs, a LeRobot dataset folder, a trained policy's folder, "
-    "a run's curve (.json, .csv), a recording (.rrd) or a folder of them"
+    "an MCAP log (.mcap) or a folder of logs, a LeRobot dataset's folder or name on the Hub "
+    "(owner/name), a trained policy's folder, a run's curve (.json, .csv), a recording (.rrd) or a "
+    "folder of them"
 )
 MOST = 20
 """Episodes opened at once where no number is asked for: the arm's meshes make each some 8 MB."""
@@ -93,24 +94,29 @@ def recordings(path: Path, folder: Path, wanted: Wanted) -> Shown:
 def existing(path: Path) -> Path:
     """The path, or where a run that goes on keeps what it will leave there.
 
-    A stage writes its outputs when it ends; `models/transfer/<run>` is until then
-    `work/transfer/<run>/<fingerprint>`, of which the newest is taken.
-
     Raises:
         LfrError: there is neither.
     """
-    if path.exists():
-        return path
-    parts = path.parts
-    if "transfer" in parts:
-        place = len(parts) - 1 - parts[::-1].index("transfer")
-        run, rest = parts[place + 1 : place + 2], parts[place + 2 :]
-        work = Path(os.environ.get("LFR_WORK", "work")) / "transfer"
-        under = [one.joinpath(*rest) for one in work.joinpath(*run).glob("*")] if run else []
-        going = [one for one in under if one.is_dir()]
-        if going:
-            return max(going, key=lambda one: one.stat().st_mtime)
+    if (found := going(path)).exists():
+        return found
     raise LfrError(f"cannot view {path}: it does not exist; expected {VALID}")
+
+
+def going(path: Path) -> Path:
+    """Where a run that goes on keeps what it will leave at the path; else the path itself.
+
+    A stage writes its outputs when it ends; `models/transfer/<run>` is until then
+    `work/transfer/<run>/<fingerprint>`, of which the newest is taken.
+    """
+    parts = path.parts
+    if path.exists() or "transfer" not in parts:
+        return path
+    place = len(parts) - 1 - parts[::-1].index("transfer")
+    run, rest = parts[place + 1 : place + 2], parts[place + 2 :]
+    work = Path(os.environ.get("LFR_WORK", "work")) / "transfer"
+    under = [one.joinpath(*rest) for one in work.joinpath(*run).glob("*")] if run else []
+    return max((one for one in under if one.is_dir()), default=path,
+               key=lambda one: one.stat().st_mtime)  # fmt: skip
 
 
 def _episodes(collection: Collection, path: Path, folder: Path, wanted: Wanted) -> Shown:

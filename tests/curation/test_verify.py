@@ -138,7 +138,7 @@ def test_what_is_no_dataset_at_all(tmp_path: Path, dataset: Path) -> None:
     with pytest.raises(DataError, match="not a LeRobot dataset"):
         verify_dataset(tmp_path / "empty")
     info(codebase_version="v2.1")(dataset)
-    with pytest.raises(DataError, match=r"convert it.*found v2.1, expected v3.0"):
+    with pytest.raises(DataError, match=r"by its name alone.*found v2.1, expected v3.0"):
         verify_dataset(dataset)
 
 

@@ -178,7 +178,7 @@ def test_episodes_and_rows_that_do_not_add_up(dataset: Path) -> None:
 
 def test_another_format_version(dataset: Path) -> None:
     edit_info(dataset, lambda info: info.update(codebase_version="v2.1"))
-    with pytest.raises(DataError, match=r"convert.*found v2.1, expected v3.0"):
+    with pytest.raises(DataError, match=r"by its name alone.*found v2.1, expected v3.0"):
         check_dataset(dataset)
 
 

@@ -1,4 +1,4 @@
-"""A LeRobot v2.1 dataset is refused with a command, and that command converts it."""
+"""What writes refuses a LeRobot v2.1 dataset with a command, and that command converts it."""
 
 import json
 import runpy
@@ -110,13 +110,21 @@ def test_the_command_of_the_error_converts_it(
 
 
 @pytest.mark.parametrize(
-    "arguments", [["view", "--list"], ["view", "--save", "out.rrd"], ["verify"]]
+    "arguments",
+    [
+        ["card", "OLD"],
+        ["edit", "delete", "OLD", "--episodes", "0", "--out", "new"],
+        ["edit", "split", "OLD", "all=0-1", "--out", "new"],
+        ["publish", "OLD", "--to", "new"],
+    ],
 )
-def test_every_reader_says_that_command(
+def test_everything_that_writes_says_that_command(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], arguments: list[str]
 ) -> None:
     write_v21(tmp_path / "old")
-    assert main([*arguments, str(tmp_path / "old")]) == 2
+    paths = {"OLD": str(tmp_path / "old"), "new": str(tmp_path / "new")}
+    assert main([paths.get(argument, argument) for argument in arguments]) == 2
+    assert not (tmp_path / "new").exists()
     error = capsys.readouterr().err
     assert f"--root={tmp_path / 'old'}" in error
     assert "found v2.1, expected v3.0" in error

@@ -17,6 +17,11 @@ def check_counts(contents: Contents) -> Iterator[Finding]:
     totals = {"total_frames": rows, "total_episodes": episodes}
     with suppress(Unreadable):  # its own check says so
         totals["total_tasks"] = len(task_words(contents))
+    if contents.source.is_older:
+        size = contents.info.get("chunks_size")
+        chunks = -(-episodes // size) if isinstance(size, int) and size > 0 else None
+        older = {"total_chunks": chunks, "total_videos": episodes * len(contents.pictures())}
+        totals |= {name: total for name, total in older.items() if name in contents.info}
     for column, expected in totals.items():
         found = contents.info.get(column)
         if found != expected:

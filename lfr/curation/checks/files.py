@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 
 from lfr.curation.contents import STATS, TASKS, Contents
 from lfr.curation.finding import Finding, Unreadable
+from lfr.data.older import EPISODES_STATS, V21
 from lfr.data.tables import files_below
 
 
@@ -20,51 +22,54 @@ def check_files(contents: Contents) -> Iterator[Finding]:
         except Unreadable as unreadable:
             yield unreadable.finding
     if not (contents.path / TASKS).is_file():
-        yield Finding("missing-file", "the tasks' words are not there", file=TASKS)
-    if not (contents.path / STATS).is_file():
-        yield Finding("missing-file", "no statistics; a policy cannot normalize", "warning", STATS)
-    if any((contents.path / "images").rglob("*.png")) and not contents.pictures("image"):
+        yield Finding("missing-file", "not there", file=TASKS)
+    folder = contents.source.origin
+    stats = EPISODES_STATS if contents.source.version == V21 else STATS
+    if not (folder / stats).is_file():
+        yield Finding("missing-file", "no statistics; a policy cannot normalize", "warning", stats)
+    if any((folder / "images").rglob("*.png")) and not contents.pictures("image"):
         yield Finding(
             "left-over", "pictures that were never made into video: a recording was interrupted",
             "warning", "images",
         )  # fmt: skip
-    unfinished = {*contents.path.rglob("*.partial"), *contents.path.rglob(".partial-*")}
+    unfinished = {*folder.rglob("*.partial"), *folder.rglob(".partial-*")}
     for partial in sorted(unfinished):
-        yield Finding("left-over", "an unfinished file", "warning", contents.relative(partial))
-    yield from _links(contents)
-    yield from _named(contents, "data/", "data_path", ".parquet", "data")
+        name = partial.relative_to(folder).as_posix()
+        yield Finding("left-over", "an unfinished file", "warning", name)
+    yield from _links(folder)
+    rows = {contents.relative(file) for file in contents.data_files}
+    yield from _named(contents, "data/", "data_path", rows)
+    videos = [contents.relative(f) for f in files_below(contents.path / "videos", ".mp4")]
     for key in contents.pictures():
-        yield from _named(
-            contents, f"videos/{key}/", "video_path", ".mp4", f"videos/{key}", video_key=key
-        )
+        of_key = {name for name in videos if key in name.split("/")}
+        yield from _named(contents, f"videos/{key}/", "video_path", of_key, video_key=key)
 
 
-def _links(contents: Contents) -> Iterator[Finding]:
+def _links(folder: Path) -> Iterator[Finding]:
     """Links to files elsewhere: whoever publishes or copies the dataset takes these along.
 
     Not those of a store of files by their content, as the Hugging Face Hub's and DVC's are.
     """
-    root = contents.path.resolve()
-    for file in sorted(contents.path.rglob("*")):
+    root = folder.resolve()
+    for file in sorted(folder.rglob("*")):
         if not (file.is_symlink() and os.path.isabs(os.readlink(file))):
             continue
         target = file.resolve()
         if not target.is_relative_to(root) and not {"blobs", "files", ".dvc"} & set(target.parts):
             yield Finding("link", "a link that leads out of the dataset", "warning",
-                          contents.relative(file), found=str(target))  # fmt: skip
+                          file.relative_to(folder).as_posix(), found=str(target))  # fmt: skip
 
 
 def _named(
-    contents: Contents, prefix: str, template: str, suffix: str, folder: str, **names: str
+    contents: Contents, prefix: str, template: str, found: set[str], **names: str
 ) -> Iterator[Finding]:
-    """The files of a folder against those that the episodes name."""
+    """The files that are there against those that the episodes name."""
     chunk, file = contents.placed(prefix.rstrip("/"))
     pairs, counts = np.unique(np.stack([chunk, file], axis=1), axis=0, return_counts=True)
     expected = {
         contents.named(template, chunk_index=c, file_index=f, **names): int(count)
         for (c, f), count in zip(pairs.tolist(), counts, strict=True)
     }
-    found = {contents.relative(p) for p in files_below(contents.path / folder, suffix)}
     for name in sorted(set(expected) - found):
         yield Finding(
             "missing-file", "episodes name a file that is not there", file=name,
@@ -78,5 +83,5 @@ def _named(
         for i in np.flatnonzero(sizes > most):
             yield Finding(
                 "counts", "more files in a chunk than chunks_size", "warning",
-                file=f"{folder}/chunk-{int(chunks[i]):03d}", found=int(sizes[i]), expected=most,
+                file=f"{prefix}chunk-{int(chunks[i]):03d}", found=int(sizes[i]), expected=most,
             )  # fmt: skip

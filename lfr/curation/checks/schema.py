@@ -37,8 +37,8 @@ def check_schema(contents: Contents) -> Iterator[Finding]:
     for key, feature in contents.features.items():
         yield from _described(key, feature)
     yield from _episode_files(contents)
-    for name, file in zip(contents.data_files, contents.data, strict=True):
-        yield from _file(contents, contents.relative(name), file.schema_arrow)
+    for file, schema in zip(contents.data_files, contents.schemas, strict=True):
+        yield from _file(contents, contents.relative(file), schema)
 
 
 def _episode_files(contents: Contents) -> Iterator[Finding]:

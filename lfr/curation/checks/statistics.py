@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
@@ -10,10 +9,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from lfr.artifacts import parse_json
 from lfr.curation.contents import EPISODES, PICTURES, STATS, Contents, Runs, runs
-from lfr.curation.exact_stats import NAMES, averaged, dataset_stats, episode_stats
+from lfr.curation.exact_stats import (
+    NAMES,
+    averaged,
+    dataset_stats,
+    episode_stats,
+    pooled_stats,
+)
 from lfr.curation.finding import Finding, Severity, first, unreadable
 from lfr.data.features import settings_of
+from lfr.data.older import V20, V21
 from lfr.data.stats import QUANTILES, Stats
 
 AVERAGED = "averaged-quantiles"
@@ -40,7 +47,7 @@ def check_statistics(contents: Contents) -> Iterator[Finding]:
             if stored:
                 yield Finding("statistics", "no statistics of a feature", "warning", STATS,
                               column=key)  # fmt: skip
-        else:
+        elif contents.source.version != V21:  # where they are no more than the episodes'
             for finding in _dataset(contents, key, stored[key], values):
                 if finding.check == AVERAGED:
                     averages.append(finding)
@@ -59,12 +66,25 @@ def check_statistics(contents: Contents) -> Iterator[Finding]:
                               column=key)  # fmt: skip
 
 
+def names_in(version: str) -> tuple[str, ...]:
+    """The statistics that LeRobot of this version writes."""
+    return {V20: NAMES[:4], V21: NAMES[:5]}.get(version, NAMES)
+
+
 def _stored(contents: Contents) -> Mapping[str, Any]:
+    """Those of the whole dataset, which v2.1's LeRobot puts together from the episodes' own."""
+    if contents.source.version == V21:
+        columns = contents.episodes.column_names
+        there = [k for k in contents.features if any(c.startswith(f"stats/{k}/") for c in columns)]
+        pictures = {key for dtype in PICTURES for key in contents.pictures(dtype)}
+        with unreadable("statistics", "gaps or mixed shapes", TypeError, ValueError, file=EPISODES,
+                        column="stats/"):  # fmt: skip
+            return {k: pooled_stats(contents.episodes, k) if k in pictures else {} for k in there}
     file = contents.path / STATS
     if not file.is_file():
         return {}
     with unreadable("statistics", "cut off or no JSON object", ValueError, file=STATS):
-        stored = json.loads(file.read_text(encoding="utf-8"))
+        stored = parse_json(file.read_text(encoding="utf-8"))
         if not isinstance(stored, dict):
             raise ValueError(type(stored).__name__)
     return stored
@@ -75,19 +95,21 @@ def _dataset(
 ) -> Iterator[Finding]:
     rows = values.reshape(len(values), -1)
     exact = dataset_stats(values)
-    if missing := [name for name in NAMES if name not in stored]:
+    known = names_in(contents.source.version)
+    if missing := [name for name in known if name not in stored]:
         yield Finding("statistics", "statistics are missing", "warning", STATS, column=key,
                       found=", ".join(stored), expected=", ".join(missing))  # fmt: skip
     wrong: list[tuple[str, NDArray, NDArray]] = []  # name, found, which dimensions
     averages: list[tuple[str, NDArray, NDArray]] = []
-    for name in (name for name in NAMES if name in stored):
+    for name in (name for name in known if name in stored):
         found = _numbers(stored[name], exact[name].shape)
         if found is None:
             yield Finding("statistics", "another shape than the feature", file=STATS,
                           column=f"{key}/{name}", found=stored[name],
                           expected=f"{exact[name].size} numbers")  # fmt: skip
             continue
-        off = ~_close(name, found[None], {n: v[None] for n, v in exact.items()})[0]
+        slack = _slack(contents, exact["count"])
+        off = ~_close(name, found[None], {n: v[None] for n, v in exact.items()}, slack)[0]
         if not off.any() or (
             name in QUANTILES and _is_quantile(found, rows, QUANTILES[name]).all()
         ):
@@ -125,7 +147,7 @@ def _episodes(contents: Contents, key: str, values: NDArray, there: Runs) -> Ite
                           column=column, found=found.shape[1:],
                           expected=exact[name].shape[1:])  # fmt: skip
             continue
-        wrong = ~_close(name, found, exact)  # (E, D)
+        wrong = ~_close(name, found, exact, _slack(contents, exact["count"]))  # (E, D)
         if name in QUANTILES:  # LeRobot's are another definition's, read off a histogram
             slack = 1e-9 + BIN * (exact["max"] - exact["min"])
             above = found >= exact[f"{name}/low"] - slack
@@ -147,7 +169,16 @@ def _severity(key: str) -> Severity:
     return "warning" if key in RENUMBERED else "error"
 
 
-def _close(name: str, found: NDArray, exact: Stats) -> NDArray[np.bool_]:
+def _slack(contents: Contents, count: NDArray) -> NDArray[np.float64]:
+    """The relative precision of statistics of so many rows each.
+
+    Before v3.0 float32 was added up one after the other, where each sum may round away half of its
+    last bit.
+    """
+    return np.maximum(TOLERANCE, count * 2.0**-24 if contents.source.is_older else 0.0)
+
+
+def _close(name: str, found: NDArray, exact: Stats, slack: NDArray) -> NDArray[np.bool_]:
     """(E, D) whether stored statistics are the exact ones, to the precision they are made in."""
     expected = exact[name]
     if name == "count":
@@ -155,11 +186,11 @@ def _close(name: str, found: NDArray, exact: Stats) -> NDArray[np.bool_]:
     square = exact["mean"] ** 2 + exact["std"] ** 2
     with np.errstate(invalid="ignore"):
         if name == "std":
-            return np.abs(found**2 - expected**2) <= TOLERANCE * square
+            return np.abs(found**2 - expected**2) <= slack * square
         if name in QUANTILES:
             return np.abs(found - expected) <= 1e-9 + BIN * 1e-3 * (exact["max"] - exact["min"])
         scale = np.sqrt(square) if name == "mean" else np.abs(expected)
-        return np.abs(found - expected) <= 1e-9 + TOLERANCE * scale
+        return np.abs(found - expected) <= 1e-9 + slack * scale
 
 
 def _is_quantile(found: NDArray, rows: NDArray, q: float) -> NDArray[np.bool_]:
@@ -184,7 +215,7 @@ def _is_average(contents: Contents, key: str, name: str, found: NDArray) -> bool
 def _pictures(contents: Contents, key: str, stored: Mapping[str, Any]) -> Iterator[Finding]:
     """Of pixels, which are not decoded: in [0, 1] and in order, and those of the episodes."""
     found: dict[str, NDArray[np.float64]] = {}
-    for name in NAMES:
+    for name in names_in(contents.source.version):
         numbers = _numbers(stored.get(name), None)
         if numbers is None or not np.isfinite(numbers).all():
             lacking = name in QUANTILES and name not in stored
@@ -196,7 +227,7 @@ def _pictures(contents: Contents, key: str, stored: Mapping[str, Any]) -> Iterat
         yield Finding("statistics", "not as many numbers in each", file=STATS, column=key,
                       found={name: numbers.size for name, numbers in found.items()})  # fmt: skip
         return
-    order = np.stack([found[name] for name in ("min", "q01", "q50", "q99", "max")])
+    order = np.stack([found[n] for n in ("min", "q01", "q50", "q99", "max") if n in found])
     depth = settings_of(contents.features[key]).get("is_depth_map")
     outside = not depth and (order.min() < -1e-6 or order.max() > 1 + 1e-6)
     if outside or (np.diff(order, axis=0) < -1e-6).any():
