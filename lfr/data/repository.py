@@ -78,11 +78,14 @@ class Repository:
         Raises:
             LfrError: the Hub cannot be reached, or, offline, the cache has not all of them.
         """
-        from huggingface_hub import hf_hub_download, snapshot_download
+        from huggingface_hub import constants, hf_hub_download, snapshot_download
 
         commit = self.folder.name
         lacking = [f for f in self.files if f == place or f.startswith(f"{place}/")
                    if not (self.folder / f).is_file()]  # fmt: skip
+        if lacking and constants.HF_HUB_OFFLINE:
+            raise LfrError(f"the Hub's cache lacks {len(lacking)} files of {self.name}, such as "
+                           f"{min(lacking)}; HF_HUB_OFFLINE is set")  # fmt: skip
         with _explained(self.name, None):
             if place in lacking:
                 hf_hub_download(self.name, place, repo_type=KIND, revision=commit)

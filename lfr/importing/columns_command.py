@@ -70,6 +70,7 @@ def arm_entry(path: Path, arm: str | None = None, action: str = ACTION) -> str:
             found=", ".join(vectors), expected=action,
         )  # fmt: skip
     robot = files.info.get("robot_type")
+    robot = robot if isinstance(robot, str) else None
     low, high = _bounds(files, action)
     name = arm or _slug(robot or files.path.name) or "arm"
     lines = [*_notes(files), f"{name}:", f"  path: {_text(Path(files.source.name).as_posix())}"]
@@ -147,7 +148,7 @@ def _bounds(files: DatasetFiles, action: str) -> tuple[list[float], list[float]]
 
 def _instructions(files: DatasetFiles) -> list[str]:
     listed = files.episodes["tasks"].to_pylist() if "tasks" in files.episodes.column_names else []
-    return list(dict.fromkeys(words for tasks in listed for words in tasks))
+    return list(dict.fromkeys(words for tasks in listed for words in tasks or ()))
 
 
 def _flow(names: tuple[str, ...]) -> str:

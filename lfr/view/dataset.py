@@ -7,14 +7,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pyarrow as pa
 
 from lfr.data.episode import ACTION, IMAGES, SUCCESS, Episode
-from lfr.data.features import names_of
+from lfr.data.features import names_of, settings_of
 from lfr.data.pictures import frames
 from lfr.data.tables import DatasetFiles, Row
 from lfr.embodiments import is_known
 from lfr.errors import DataError
 from lfr.tasks import TASKS
+from lfr.view.depth import DEEP, is_picture, scaled, tensor
 from lfr.view.episode import UNSAID
 from lfr.view.series import entity_part
 
@@ -48,7 +50,9 @@ def read_episode(path: Path, index: int) -> Episode:
     features = {
         name: _array(table[name])
         for name, feature in info["features"].items()
-        if name in table.column_names and feature["dtype"] not in NOT_NUMBERS
+        if name in table.column_names
+        and feature["dtype"] not in NOT_NUMBERS
+        and not is_picture(feature["shape"])
     }
     folder, _, of = path.resolve().name.rpartition("-")
     success, seed = (
@@ -131,20 +135,31 @@ def _images(files: DatasetFiles, row: Row, table: Any) -> dict[str, list[bytes]]
         camera = entity_part(name.removeprefix(IMAGES).removeprefix("observation."))
         if feature["dtype"] == "video":
             found[camera] = _frames(files, row, name)
-        elif feature["dtype"] == "image" and name in table.column_names:
-            found[camera] = [_still(files.path, name, value) for value in table[name].to_pylist()]
+        elif name in table.column_names and feature["dtype"] == "image":
+            stills = [_still(files.path, name, value) for value in table[name].to_pylist()]
+            if stills and stills[0].mode in DEEP:
+                stills = scaled([np.asarray(still) for still in stills])
+            found[camera] = [_jpeg(still) for still in stills]
+        elif name in table.column_names and is_picture(feature["shape"]):
+            try:
+                frames = tensor(table[name], feature["shape"])
+            except (ValueError, pa.ArrowException) as error:
+                raise DataError("no pictures", file=files.path, column=name, found=error) from error
+            found[camera] = [_jpeg(picture) for picture in scaled(list(frames))]
     return found
 
 
-def _still(path: Path, name: str, value: Row) -> bytes:
+def _still(path: Path, name: str, value: Row) -> Image:
     """One picture that a dataset keeps in its rows, or beside them under the name that they say."""
     from PIL import Image
 
     try:
         content = value["bytes"] or (path / value["path"]).read_bytes()
-        return _jpeg(Image.open(io.BytesIO(content)))
+        picture = Image.open(io.BytesIO(content))
+        picture.load()
     except (OSError, TypeError) as error:
         raise DataError("no picture", file=path, column=name, found=error) from error
+    return picture
 
 
 def _jpeg(picture: Image) -> bytes:
@@ -159,4 +174,8 @@ def _frames(files: DatasetFiles, row: Row, name: str) -> list[bytes]:
     start = files.number(row, f"videos/{name}/from_timestamp")
     first = round(start * files.fps)
     file = files.file_of(row, f"videos/{name}")
-    return [_jpeg(frame.to_image()) for frame in frames(file, range(first, first + count), name)]
+    decoded = frames(file, range(first, first + count), name)
+    if settings_of(files.features[name]).get("is_depth_map") is True:
+        pictures = scaled([frame.to_ndarray(format="gray16le") for frame in decoded])
+        return [_jpeg(picture) for picture in pictures]
+    return [_jpeg(frame.to_image()) for frame in decoded]

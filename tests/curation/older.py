@@ -94,7 +94,8 @@ def write(
         "total_videos": len(lengths) * pictures, "total_chunks": -(-len(lengths) // size),
         "chunks_size": size, "splits": {"train": f"0:{len(lengths)}"},
         "data_path": "data/chunk-{episode_chunk:03d}/episode_{episode_index:06d}.parquet",
-        "video_path": "videos/chunk-{episode_chunk:03d}/{video_key}/episode_{episode_index:06d}.mp4",
+        "video_path": "videos/chunk-{episode_chunk:03d}/{video_key}/"
+        "episode_{episode_index:06d}.mp4",
     }  # fmt: skip
     (path / "meta/info.json").write_text(json.dumps(info))
     return path
