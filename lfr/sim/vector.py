@@ -19,6 +19,8 @@ from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
+from lfr.controllers.controller import CONTROL_FREQUENCY
+from lfr.errors import UnknownNameError
 from lfr.sim.batch import Batch
 from lfr.sim.environment import (
     Reward,
@@ -41,11 +43,16 @@ class VectorEnvironment(gymnasium.vector.VectorEnv[Array, Array, Array]):
         embodiment, task, reward: as for `lfr.sim.environment.Environment`.
         max_episode_steps: control steps after which an episode is cut; the task's horizon if None.
         threads: at most so many at a time; every core of this process if None.
+        render_mode: `rgb_array` draws each one's agent's view, or None.
+
+    Raises:
+        UnknownNameError: unknown embodiment, task, reward or render mode.
     """
 
     metadata: ClassVar[dict[str, Any]] = {
         "autoreset_mode": AutoresetMode.NEXT_STEP,
-        "render_modes": [],
+        "render_modes": ["rgb_array"],
+        "render_fps": CONTROL_FREQUENCY,
     }
 
     def __init__(
@@ -56,8 +63,12 @@ class VectorEnvironment(gymnasium.vector.VectorEnv[Array, Array, Array]):
         reward: Reward = "dense",
         max_episode_steps: int | None = None,
         threads: int | None = None,
-        render_mode: None = None,
+        render_mode: str | None = None,
     ) -> None:
+        if render_mode not in (None, *self.metadata["render_modes"]):
+            raise UnknownNameError("render mode", render_mode, self.metadata["render_modes"])
+        self.render_mode = render_mode
+        self._camera: Any = None
         self._batch = Batch(embodiment, task, num_envs, threads)
         self._reward: Reward = checked_reward(reward)
         self._limit = max_episode_steps or self._batch.horizon
@@ -115,8 +126,21 @@ class VectorEnvironment(gymnasium.vector.VectorEnv[Array, Array, Array]):
         self._over = terminated | truncated
         return self._observations.copy(), rewards, terminated, truncated, infos
 
+    def render(self) -> tuple[Array, ...] | None:
+        """Of each its agent's view (128, 128, 3) uint8, or None without a render mode."""
+        if self.render_mode is None:
+            return None
+        if self._camera is None:
+            from lfr.sim.camera import Camera
+
+            self._camera = Camera(self._batch.embodiment.name, self._batch.task.name)
+        return tuple(self._camera.render(each) for each in self._batch.simulations)
+
     def close_extras(self, **_: Any) -> None:
         self._batch.close()
+        if self._camera is not None:
+            self._camera.close()
+            self._camera = None
 
     def _start(self, i: int, seed: int | None, infos: dict[str, Any]) -> dict[str, Any]:
         if seed is not None:

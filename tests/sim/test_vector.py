@@ -69,6 +69,24 @@ def equal(mine: tuple, theirs: tuple) -> None:
         np.testing.assert_array_equal(mine[-1][key], theirs[-1][key])
 
 
+def test_each_ones_picture_is_that_of_a_single_environment() -> None:
+    name = "lfr/Stack-UR5e-v0"
+    ours = gymnasium.make_vec(name, num_envs=2, render_mode="rgb_array")
+    ours.reset(seed=4)
+    pictures = ours.render()
+    assert pictures is not None
+    for seed, picture in zip((4, 5), pictures, strict=True):
+        single = gymnasium.make(name, render_mode="rgb_array")
+        single.reset(seed=seed)
+        np.testing.assert_array_equal(picture, single.render())
+        single.close()
+    assert (pictures[0] != pictures[1]).any()
+    ours.close()
+    assert gymnasium.make_vec(name, num_envs=1).render() is None
+    with pytest.raises(UnknownNameError, match="'human'; valid: rgb_array"):
+        gymnasium.make_vec(name, num_envs=1, render_mode="human")
+
+
 def test_wrong_shapes_and_names_are_refused() -> None:
     environments = gymnasium.make_vec("lfr/Lift-Panda-v0", num_envs=2)
     environments.reset(seed=0)
