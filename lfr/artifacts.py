@@ -152,10 +152,24 @@ def file_hash(path: Path) -> str:
     if not path.is_dir():
         raise DataError("the file is missing", file=path)
     digest = hashlib.sha256()
-    for file in sorted(path.rglob("*")):
+    for file in files_below(path):
         if file.is_file() and "__pycache__" not in file.parts:
             digest.update(f"{file.relative_to(path).as_posix()} {file_hash(file)}\n".encode())
     return digest.hexdigest()
+
+
+def files_below(folder: Path, suffix: str = "") -> list[Path]:
+    """The files of a kind in a folder and below, in order; links to folders are followed."""
+    found: list[Path] = []
+    seen: set[str] = set()  # folders, so that a link to one above does not lead round and round
+    for place, folders, files in os.walk(folder, followlinks=True):
+        real = os.path.realpath(place)
+        if real in seen:
+            folders.clear()
+            continue
+        seen.add(real)
+        found += [Path(place) / name for name in files if name.endswith(suffix)]
+    return sorted(found)
 
 
 def code_fingerprint(*packages: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import time
 from collections.abc import Iterable
@@ -18,11 +19,12 @@ from lfr.artifacts import (
     write_whole,
 )
 from lfr.embodiments import embodiment
-from lfr.errors import ParameterError
+from lfr.errors import DataError, ParameterError
 from lfr.jobs import peak_memory
 from lfr.params import read_yaml
 from lfr.tasks import task as task_named
 
+DATASETS = (Path("data/lerobot"), Path("data/external"))  # that stages depend on
 # When a stage imports this: a commit that is made while it runs is not what it runs.
 BEGAN, MADE_BY = time.perf_counter(), provenance()
 
@@ -37,8 +39,33 @@ def dataset_name(robot: str, task: str) -> str:
 
 
 def rows_of(datasets: Iterable[Path]) -> list[Path]:
-    """The parts of datasets that training reads: all but the videos."""
-    return [path / part for path in datasets for part in ("meta", "data")]
+    """The parts of datasets that training reads: all but the videos.
+
+    Raises:
+        DataError: `dvc repro` has started this, and would not see that one has changed.
+    """
+    parts = [path / part for path in datasets for part in ("meta", "data")]
+    if "DVC_STAGE" in os.environ:
+        for part in parts:
+            _refuse_unseen(part)
+    return parts
+
+
+def _refuse_unseen(path: Path) -> None:
+    """DVC 3.67 follows a link that a stage depends on, and none to a folder below that."""
+    place = Path(os.path.abspath(path))
+    root = next((one for one in DATASETS if place.is_relative_to(one.absolute())), None)
+    message = "DVC does not see when this dataset changes"
+    if root is None:
+        raise DataError(f"{message}; put it into data/external", file=path)
+    above = [one for one in (place, *place.parents) if one.is_relative_to(root.absolute())]
+    for folder in (*above[:-1], *place.rglob("*")):
+        if folder.is_symlink() and folder.is_dir():
+            raise DataError(
+                f"{message}, as it follows no link to a folder below {root}; put the dataset there "
+                f"itself, or make {root} the link", file=folder,
+                found=f"a link to {folder.resolve()}",
+            )  # fmt: skip
 
 
 def unfinished_work(stage: str, key: str, *parts: object) -> Path:

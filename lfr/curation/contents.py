@@ -13,7 +13,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from lfr.artifacts import parse_json
+from lfr.artifacts import files_below, parse_json
 from lfr.curation.finding import Finding, Unreadable, unreadable
 from lfr.data import tables
 from lfr.data.features import shape_of
@@ -116,7 +116,7 @@ class Contents:
 
     @cached_property
     def episode_files(self) -> list[Path]:
-        return tables.files_below(self.path / EPISODES, ".parquet")
+        return files_below(self.path / EPISODES, ".parquet")
 
     @cached_property
     def episodes(self) -> pa.Table:
@@ -188,7 +188,7 @@ class Contents:
     @cached_property
     def data_files(self) -> list[Path]:
         """The Parquet files of rows, in the order of their names."""
-        return tables.files_below(self.path / "data", ".parquet")
+        return files_below(self.path / "data", ".parquet")
 
     @cached_property
     def footers(self) -> list[pq.FileMetaData]:

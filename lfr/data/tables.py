@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shlex
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -16,7 +15,7 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from lfr.artifacts import read_json
+from lfr.artifacts import files_below, read_json
 from lfr.data.source import VERSION, Source, source_of
 from lfr.data.templates import file_name
 from lfr.errors import DataError
@@ -199,20 +198,6 @@ class DatasetFiles:
         if "task_name" not in self.episodes.column_names:
             return []
         return sorted({name for name in self.episodes["task_name"].to_pylist() if name})
-
-
-def files_below(folder: Path, suffix: str) -> list[Path]:
-    """The files of a kind in a folder and below, in order; links to folders are followed."""
-    found: list[Path] = []
-    seen: set[str] = set()  # folders, so that a link to one above does not lead round and round
-    for place, folders, files in os.walk(folder, followlinks=True):
-        real = os.path.realpath(place)
-        if real in seen:
-            folders.clear()
-            continue
-        seen.add(real)
-        found += [Path(place) / name for name in files if name.endswith(suffix)]
-    return sorted(found)
 
 
 def is_older(path: Path) -> bool:

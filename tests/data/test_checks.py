@@ -151,6 +151,24 @@ def test_no_successful_episode(dataset: Path) -> None:
         check_dataset(dataset)
 
 
+def test_successes_of_which_some_are_not_said(dataset: Path) -> None:
+    """As merging leaves them, where one dataset has no such column."""
+
+    def said(*values: object) -> Callable[[pa.Table], pa.Table]:
+        def put(table: pa.Table) -> pa.Table:
+            i = table.column_names.index("success")
+            return table.set_column(i, "success", pa.array(values, pa.bool_()))
+
+        return put
+
+    for values in ((True, None, None, False), (None,) * 4):
+        edit_table(dataset / EPISODES, said(*values))
+        check_dataset(dataset)
+    edit_table(dataset / EPISODES, said(False, None, False, None))
+    with pytest.raises(DataError, match=r"no successful episode.*found 0 of 2"):
+        check_dataset(dataset)
+
+
 @pytest.mark.parametrize("name", [DATA, EPISODES])
 @pytest.mark.parametrize("kept", [0.0, 0.5, 0.99])
 def test_a_cut_off_file(dataset: Path, name: str, kept: float) -> None:

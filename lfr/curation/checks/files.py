@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
+from lfr.artifacts import files_below
 from lfr.curation.contents import STATS, TASKS, Contents
 from lfr.curation.finding import Finding, Unreadable
 from lfr.data.older import EPISODES_STATS, V21
-from lfr.data.tables import files_below
 
 
 def check_files(contents: Contents) -> Iterator[Finding]:
