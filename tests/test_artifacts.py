@@ -22,6 +22,7 @@ from lfr.artifacts import (
     file_hash,
     fingerprint,
     load_model,
+    parse_json,
     provenance,
     read_json,
     save_model,
@@ -95,6 +96,16 @@ def test_json_comes_back_and_nan_does_not_get_in(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="not JSON compliant"):
         write_json(path, {"a": float("nan")})
     assert read_json(path)["a"] == "x/y"
+
+
+@pytest.mark.parametrize("depth", [65, 900, 200_000])
+@pytest.mark.parametrize("brackets", ["[]", ('{"a":', "}")])
+def test_json_that_is_nested_deeper_than_python_can_follow(depth: int, brackets: str) -> None:
+    text = brackets[0] * depth + "1" + brackets[1] * depth
+    with pytest.raises(ValueError, match="deep"):
+        parse_json(text)
+    text = brackets[0] * 60 + "1" + brackets[1] * 60
+    assert parse_json(f"[{text}, {text}]") == json.loads(f"[{text}, {text}]")
 
 
 def test_json_missing_or_cut_off(tmp_path: Path) -> None:

@@ -109,8 +109,10 @@ def recover(log: Path) -> Recovery:
     if mended.exists():
         raise DataError("recovered before; remove it to do it again", file=mended)
     ours = saved.record("episode") is not None and saved.record("features") is not None
+    said: int | None = None
     outcome = (saved.record("outcome") if ours else None) or {}
-    said = parse_json(outcome.get("frames", "null"))
+    with suppress(ValueError):
+        said = parse_json(outcome.get("frames", "null"))
     kept, frames = _whole_frames(saved) if ours else (saved.messages, None)
     if frames == 0:
         raise DataError("nothing to recover: no whole frame", file=log)

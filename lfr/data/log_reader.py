@@ -67,7 +67,23 @@ def read_log(path: Path) -> Episode:
         DataError: the file is missing, no MCAP, cut off, damaged, or not a log of this project.
     """
     path = Path(path)
-    values, images, metadata = _read(path, _decoders)
+    read = _read(path, _decoders)
+    try:
+        return _episode(path, *read)
+    except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
+        raise DataError(
+            "metadata of another form than lfr writes",
+            file=path,
+            found=f"{type(error).__name__}: {error}",
+        ) from error
+
+
+def _episode(
+    path: Path,
+    values: dict[str, list[Any]],
+    images: dict[str, list[bytes]],
+    metadata: dict[str, dict[str, Any]],
+) -> Episode:
     if not {"episode", "features", "outcome"} <= set(metadata):
         raise DataError(
             "a foreign or unfinished MCAP file, not a log of lfr",
@@ -75,6 +91,13 @@ def read_log(path: Path) -> Episode:
             found=f"metadata {sorted(metadata) or 'none'}",
             expected="metadata episode, features, outcome",
         )
+    numbers = {**{key: metadata["episode"].get(key, 1) for key in INTEGERS},
+               "frames": metadata["outcome"]["frames"]}  # fmt: skip
+    for key, value in numbers.items():
+        if not isinstance(value, int) or isinstance(value, bool) or (key == "fps" and value < 1):
+            raise ValueError(f"{key} {value!r:.40}")
+    if not isinstance(metadata["outcome"]["success"], bool):
+        raise ValueError(f"success {metadata['outcome']['success']!r:.40}")
     for feature in FEATURES:
         if feature.key not in metadata["features"]:
             found = ", ".join(metadata["features"])

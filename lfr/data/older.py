@@ -44,7 +44,9 @@ def older_version(path: Path, info: Any) -> str | None:
     Args:
         info: what its info.json holds, which need not be right.
     """
-    said = info.get("codebase_version") if isinstance(info, dict) else None
+    if not isinstance(info, dict):
+        return None
+    said = info.get("codebase_version")
     has_lines, has_table = (path / EPISODES).is_file(), (path / "meta" / "episodes").is_dir()
     if said in (V21, V20):
         return said if has_lines or not has_table else None

@@ -65,8 +65,9 @@ class DatasetFiles:
         """Frames per second. Raises DataError where info.json does not say it."""
         fps = self.info.get("fps")
         if isinstance(fps, bool) or not isinstance(fps, int | float) or not 0 < fps < 1e9:
-            raise DataError("no frames per second", file=self.path / "meta" / "info.json",
-                            column="fps", found=fps, expected="a positive number")  # fmt: skip
+            file = self.path / "meta" / "info.json"
+            raise DataError("no frames per second", file=file, column="fps", found=f"{fps!r:.40}",
+                            expected="a positive number")  # fmt: skip
         return fps
 
     @cached_property

@@ -50,7 +50,7 @@ class DatasetFacts:
     robot: str
     tasks: tuple[str, ...]
     instructions: tuple[str, ...]
-    fps: int
+    fps: float
     episodes: int
     frames: int
     lengths: tuple[float, float, float]
@@ -114,6 +114,8 @@ def read_facts(path: Path) -> DatasetFacts:
     dataset = DatasetFiles.open(path)
     episodes = dataset.episodes
     lengths = episodes["length"].to_numpy()
+    if not len(lengths):
+        raise DataError("no episodes", file=path / "meta" / "episodes")
 
     def column(name: str) -> list[Any]:
         return episodes[name].to_pylist() if name in episodes.column_names else []
@@ -129,7 +131,7 @@ def read_facts(path: Path) -> DatasetFacts:
         robot=dataset.info.get("robot_type") or "",
         tasks=tuple(sorted({str(name) for name in column("task_name") if name is not None})),
         instructions=tuple(dict.fromkeys(one for tasks in column("tasks") for one in tasks or ())),
-        fps=dataset.info["fps"],
+        fps=dataset.fps,
         episodes=len(lengths),
         frames=int(lengths.sum()),
         lengths=(int(lengths.min()), float(np.median(lengths)), int(lengths.max())),

@@ -27,7 +27,7 @@ def picture(dataset: Path, camera: str) -> bytes:
     files = DatasetFiles.open(dataset)
     row = files.episode(min(files.episodes["episode_index"].to_pylist()))
     file = files.file_of(row, f"videos/{camera}")
-    first = round(files.number(row, f"videos/{camera}/from_timestamp") * files.info["fps"])
+    first = round(files.number(row, f"videos/{camera}/from_timestamp") * files.fps)
     numbers = [first + k * (row["length"] - 1) // (FRAMES - 1) for k in range(FRAMES)]
     wanted = sorted(set(numbers))
     images = (frame.to_image() for frame in frames(file, wanted, camera))

@@ -125,9 +125,9 @@ def _bounds(files: DatasetFiles, action: str) -> tuple[list[float], list[float]]
     """The action's least and greatest values, rounded outwards, never equal."""
     rows = files.data([action, "episode_index"])
     values = tables.values(rows, action)
-    values = values.reshape(len(values), -1)
     if not len(values):
         raise DataError("no rows", file=files.path / "data")
+    values = values.reshape(len(values), -1)
     if not (finite := np.isfinite(values)).all():
         row, dimension = np.argwhere(~finite)[0].tolist()
         names = dimension_names(files.features[action], action)

@@ -146,13 +146,16 @@ def _log_entry(index: int, path: Path) -> Entry:
             topics = [messages.REWARD] if ours else []
             rewards = [(schema, message) for schema, _, message in reader.iter_messages(topics)]
         outcome = {key: parse_json(text) for key, text in said["outcome"].items()}
-        seed = int(parse_json(said["episode"]["seed"]))
+        seed = parse_json(said["episode"]["seed"])
+        frames, success = outcome["frames"], outcome["success"]
+        if [type(one) for one in (seed, frames, success)] != [int, int, bool]:
+            raise ValueError("numbers of another type")
         total = 0.0
         for schema, message in rewards:
             if schema is not None:
                 reward: Any = messages.message_class(schema.name, schema.data)
                 total += reward.FromString(message.data).reward
-        return Entry(index, outcome["frames"], outcome["success"], total, seed, path.name)
+        return Entry(index, frames, success, total, seed, path.name)
     except DataError as error:
         return Entry(index, 0, note=f"{path.name}: {error.message}")
     except (KeyError, ValueError, TypeError, AttributeError, DecodeError):

@@ -5,6 +5,7 @@ Whatever reads a dataset gives the right answer, or one line that names the plac
 
 from __future__ import annotations
 
+import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -173,6 +174,52 @@ def test_a_video_that_does_not_play_is_one_line(
         assert cli.main(command) == 2
         (line,) = [one for one in capsys.readouterr().err.splitlines() if "error" in one]
         assert VIDEO in line
+
+
+def nested(file: str, depth: int) -> Callable[[Path], object]:
+    def change(dataset: Path) -> None:
+        text = (dataset / file).read_text() if (dataset / file).exists() else "{}"
+        deep = "[" * depth + "]" * depth
+        (dataset / file).write_text(f'{{"deep": {deep}, {text.strip()[1:]}'.replace(", }", "}"))
+
+    return change
+
+
+def template(name: str, value: str) -> Callable[[Path], object]:
+    return json_of("meta/info.json", lambda info: info.update({name: value}))
+
+
+def emptied(dataset: Path) -> None:
+    for name in (DATA, EPISODES):
+        table(name, lambda t: t.slice(0, 0))(dataset)
+
+
+HOSTILE = {
+    "nested": (nested("meta/info.json", 100_000), "info: .*info.json"),
+    "nested a little": (nested("meta/info.json", 300), "info: .*info.json"),
+    "nested statistics": (nested("meta/stats.json", 100_000), "statistics: .*stats.json"),
+    "a width": (template("data_path", "data/{file_index:09999999999d}"), "info: .*data_path"),
+    "an attribute": (template("video_path", "{video_key.__class__}.mp4"), "info: .*video_path"),
+    "a rate of many digits": (template("fps", 10**400), "info: .*fps"),  # pyright: ignore[reportArgumentType]
+    "no rows": (table(DATA, lambda t: t.slice(0, 0)), "counts: "),
+    "nothing": (emptied, "counts: .*nothing in it"),
+}
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_what_would_take_all_memory_or_all_of_the_stack(
+    dataset: Path, name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    damage, expected = HOSTILE[name]
+    damage(dataset)
+    lines = [str(one) for one in verify_dataset(dataset).errors]
+    assert any(re.match(f"error: {expected}", line) for line in lines), lines
+    for command in (
+        ["view", "--list"], ["view", "--save", str(tmp_path / "x.rrd")], ["columns"],
+        ["card", "--to", str(tmp_path / "cards")], ["publish", "--to", str(tmp_path / "out")],
+    ):  # fmt: skip
+        assert cli.main([*command, str(dataset)]) in (0, 2)
+        assert len(capsys.readouterr().err.splitlines()) < 3
 
 
 def test_v21_files_that_call_themselves_v30(dataset: Path) -> None:

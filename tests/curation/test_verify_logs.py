@@ -209,6 +209,22 @@ def test_the_rewritten_log_is_the_same(logs: Path) -> None:
     np.testing.assert_array_equal(before.simulator_state, after.simulator_state)
 
 
+@pytest.mark.parametrize("text", ["{", "3", '"x"', "[1]", "{}", "null", "[" * 9999, "1e999"])
+def test_whatever_stands_in_the_metadata_is_no_traceback(
+    sound: Path, text: str, tmp_path: Path
+) -> None:
+    with (sound / "episode-000001.mcap").open("rb") as stream:
+        records = {m.name: m.metadata for m in make_reader(stream).iter_metadata()}
+    for name in ("episode", "features", "outcome"):
+        for key in records[name]:
+            log = tmp_path / "e.mcap"
+            shutil.copy(sound / "episode-000001.mcap", log)
+            rewritten(log, same, lambda r, n=name, k=key: r[n].update({k: text}))
+            report = verify_logs(log, pictures=4)
+            assert report.findings or (name, key) not in (("outcome", "frames"), ("episode", "fps"))
+            assert cli.main(["view", str(log), "--list"]) == 0
+
+
 def bag(path: Path, *, back: bool = False, schema: bytes = b"float64 data\n") -> Path:
     """As a ROS 2 recorder of rewards would write it: no checksum over all, topics like ours."""
     with path.open("wb") as stream:
