@@ -22,7 +22,7 @@ class DriftParams:
     arm starts: Sawyer's hand rests 16 cm to the side of Panda's.
     """
 
-    steps: int = 48  # at most; the number is drawn uniformly for each attempt
+    steps: int = 96  # at most; the number is drawn uniformly for each attempt
     speed: float = 0.9  # bound on each component of the drift's direction, as a hand motion
     turn: float = 0.3  # bound on the drift's rotation about each axis, as a hand motion
 

@@ -47,9 +47,9 @@ class PriorParams:
     batch: int = 128
     learning_rate: float = 1e-3
     weight_decay: float = 1e-2
-    input_noise: float = 0.1  # of an input's normalised unit, against overfitting 50 episodes
-    symmetry: SymmetryParams = field(default_factory=SymmetryParams)
-    joint_copies: bool = False  # of joint motions too (`lfr.skills.moved_joints`)
+    input_noise: float = 0.2  # of an input's normalised unit, against overfitting 50 episodes
+    symmetry: SymmetryParams = field(default_factory=lambda: SymmetryParams(shift=0.2))
+    joint_copies: bool = True  # of joint motions too (`lfr.skills.moved_joints`)
 
 
 @dataclass(frozen=True)
