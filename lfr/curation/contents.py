@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path, PurePosixPath
@@ -176,10 +177,36 @@ class Contents:
                 raise Unreadable(
                     Finding("placement", what, episode=episodes["episode_index"][wrong[0]].as_py(),
                             found=str(values[wrong[0]]), expected="a whole number",
-                            places=len(wrong), **where)
+                            places=len(wrong), episodes=_known(episodes, wrong), **where)
                 )  # fmt: skip
             found.append(np.array(values, np.int64))
         return found[0], found[1]
+
+    def placed_in(self, prefix: str) -> dict[str, NDArray[np.int64]]:
+        """File -> rows of meta/episodes of the episodes whose rows ("data") or pictures
+        ("videos/<feature>") are said to lie in it.
+
+        Raises:
+            Unreadable: as `placed` and `named`.
+        """
+        pairs, place, counts = np.unique(
+            np.stack(self.placed(prefix), axis=1), axis=0, return_inverse=True, return_counts=True
+        )
+        template, names = "data_path", {}
+        if prefix != "data":
+            template, names = "video_path", {"video_key": prefix.removeprefix("videos/")}
+        rows = np.split(np.argsort(place.ravel(), kind="stable"), np.cumsum(counts)[:-1])
+        files: dict[str, NDArray[np.int64]] = {}
+        for (chunk, file), there in zip(pairs.tolist(), rows, strict=False):
+            name = self.named(template, chunk_index=chunk, file_index=file, **names)
+            files[name] = np.sort(np.concatenate([files.get(name, there[:0]), there]))
+        return files
+
+    def episodes_in(self, file: str) -> tuple[int, ...]:
+        """The episodes whose rows are said to lie in a file; none where nothing says so."""
+        with suppress(Unreadable):
+            return tuple(self.placed_in("data").get(file, np.zeros(0, np.int64)).tolist())
+        return ()
 
     @cached_property
     def lengths(self) -> NDArray[np.int64]:
@@ -245,6 +272,20 @@ class Contents:
             episode = None
         return {"file": self.relative(file), "episode": episode, "row": row}
 
+    def at_rows(self, which: NDArray) -> tuple[int, dict[str, Any]]:
+        """The first of some rows, and where all of them stand, for a finding: file, episode, row,
+        places, episodes.
+
+        Args:
+            which: a mask (N,) of all rows, or their numbers; at least one.
+        """
+        rows = np.flatnonzero(which) if which.dtype == bool else which
+        where = self.place(int(rows[0]))
+        if where["episode"] is not None:
+            episodes = np.unique(self.column("episode_index")[rows])
+            where["episodes"] = tuple(episodes.tolist())
+        return where["row"], {**where, "places": len(rows)}
+
     def opened(self, file: Path) -> pq.ParquetFile:
         """A Parquet file, its footer read."""
         if not file.is_file():
@@ -259,6 +300,18 @@ class Contents:
         with unreadable("damaged-file", "its rows cannot be read", pa.ArrowException, OSError,
                         file=self.relative(file)):  # fmt: skip
             return opened.read(use_threads=False).replace_schema_metadata()
+
+
+def at_episodes(which: NDArray) -> tuple[int, dict[str, Any]]:
+    """The first of some episodes, and all of them, for a finding: episode, places, episodes.
+
+    Args:
+        which: a mask (E,) of all episodes, or their numbers; at least one.
+    """
+    episodes = np.flatnonzero(which) if which.dtype == bool else which
+    first = int(episodes[0])
+    every = tuple(np.unique(episodes).tolist())
+    return first, {"episode": first, "places": len(episodes), "episodes": every}
 
 
 @dataclass(frozen=True)
@@ -283,6 +336,12 @@ def runs(contents: Contents) -> Runs:
     start = np.flatnonzero(np.diff(index, prepend=index[:1] - 1))
     length = np.diff(start, append=len(index))
     return Runs(index[start], start, length)
+
+
+def _known(episodes: pa.Table, places: Sequence[int]) -> tuple[int, ...]:
+    """What some rows of meta/episodes say of themselves, as far as it is whole numbers."""
+    said = episodes["episode_index"].take(pa.array(places, pa.int64())).to_pylist()
+    return tuple(sorted({index for index in said if isinstance(index, int)}))
 
 
 def with_column(table: pa.Table, name: str, values: Any) -> pa.Table:

@@ -30,6 +30,7 @@ class Finding:
             some.
         found, expected: what was there, and what should be.
         places: how many rows or episodes the same is wrong in.
+        episodes: all that it is about, from the lowest; none where it is about the whole dataset.
     """
 
     check: str
@@ -43,6 +44,11 @@ class Finding:
     expected: Any = None
     places: int = 1
     frames: tuple[int, int] | None = None
+    episodes: tuple[int, ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.episode is not None and not self.episodes:
+            object.__setattr__(self, "episodes", (self.episode,))
 
     def __str__(self) -> str:
         """One line for a terminal."""

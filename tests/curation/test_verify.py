@@ -45,6 +45,10 @@ def test_what_is_wrong_is_found_in_its_place(dataset: Path, name: str) -> None:
         for finding, line in zip(findings, lines, strict=True)
     ), "\n".join(lines)
     assert all("\n" not in line for line in lines)
+    for finding in findings:
+        assert list(finding.episodes) == sorted(set(finding.episodes))
+        assert all(type(episode) is int for episode in finding.episodes)
+        assert finding.episode is None or finding.episode in finding.episodes
 
 
 def test_one_value_changed_is_found_by_its_statistics(dataset: Path) -> None:

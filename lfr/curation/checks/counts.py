@@ -7,7 +7,7 @@ from contextlib import suppress
 
 import numpy as np
 
-from lfr.curation.contents import EPISODES, INFO, TASKS, Contents, runs
+from lfr.curation.contents import EPISODES, INFO, TASKS, Contents, at_episodes, runs
 from lfr.curation.finding import Finding, Unreadable, first
 
 
@@ -34,10 +34,10 @@ def check_counts(contents: Contents) -> Iterator[Finding]:
         return
     index = contents.episode_column("episode_index")
     if (wrong := index != np.arange(episodes)).any():
-        at, places = first(wrong)
+        at, where = at_episodes(wrong)
         yield Finding("episode-index", "episodes out of order, missing, or there twice",
                       file=EPISODES, column="episode_index", found=int(index[at]), expected=at,
-                      places=places)  # fmt: skip
+                      **{**where, "episode": None})  # fmt: skip
     yield from _lengths(contents)
     yield from _from_to(contents)
     yield from _files(contents)
@@ -73,21 +73,21 @@ def _lengths(contents: Contents) -> Iterator[Finding]:
     lengths, there = contents.lengths, runs(contents)
     episodes = len(lengths)
     known = (there.episode >= 0) & (there.episode < episodes)
-    for at in np.flatnonzero(~known)[:1]:
-        yield Finding("counts", "rows of an episode that meta/episodes does not have",
-                      **contents.place(int(there.start[at])), column="episode_index",
-                      found=int(there.episode[at]), expected=f"0 to {episodes - 1}",
-                      places=int((~known).sum()))  # fmt: skip
+    if not known.all():
+        _, where = contents.at_rows(there.start[~known])
+        yield Finding("counts", "rows of an episode that meta/episodes does not have", **where,
+                      column="episode_index", found=where["episode"],
+                      expected=f"0 to {episodes - 1}")  # fmt: skip
     found = np.bincount(there.episode[known], weights=there.length[known], minlength=episodes)
     if (wrong := found != lengths).any():
-        at, places = first(wrong)
+        at, where = at_episodes(wrong)
         yield Finding("counts", "another number of rows than the episode's length", file=EPISODES,
-                      episode=at, column="length", found=int(found[at]), expected=int(lengths[at]),
-                      places=places)  # fmt: skip
+                      column="length", found=int(found[at]), expected=int(lengths[at]),
+                      **where)  # fmt: skip
     if (wrong := lengths < 1).any():
-        at, places = first(wrong)
-        yield Finding("counts", "an empty episode", file=EPISODES, episode=at, column="length",
-                      found=int(lengths[at]), expected="at least 1", places=places)  # fmt: skip
+        at, where = at_episodes(wrong)
+        yield Finding("counts", "an empty episode", file=EPISODES, column="length",
+                      found=int(lengths[at]), expected="at least 1", **where)  # fmt: skip
 
 
 def _from_to(contents: Contents) -> Iterator[Finding]:
@@ -98,29 +98,24 @@ def _from_to(contents: Contents) -> Iterator[Finding]:
     ):
         found = contents.episode_column(column)
         if (wrong := found != expected).any():
-            at, places = first(wrong)
-            yield Finding("counts", "rows that are another episode's", file=EPISODES, episode=at,
+            at, where = at_episodes(wrong)
+            yield Finding("counts", "rows that are another episode's", file=EPISODES,
                           column=column, found=int(found[at]), expected=int(expected[at]),
-                          places=places)  # fmt: skip
+                          **where)  # fmt: skip
 
 
 def _files(contents: Contents) -> Iterator[Finding]:
     """LeRobot reads an episode from the file that meta/episodes names."""
     names = [contents.relative(file) for file in contents.data_files]
-    chunk, file = contents.placed("data")
     there, ends = runs(contents), np.cumsum(contents.rows_of_files)
-    known = (there.episode >= 0) & (there.episode < len(chunk))
+    said = np.full(len(contents.episodes), -1)
+    for name, episodes in contents.placed_in("data").items():
+        said[episodes] = names.index(name) if name in names else -1
+    known = (there.episode >= 0) & (there.episode < len(said))
     file_of_run = np.searchsorted(ends, there.start[known], side="right")
     last = np.searchsorted(ends, (there.start + there.length - 1)[known], side="right")
     of_run = there.episode[known]
-    pairs = {
-        pair: contents.named("data_path", chunk_index=pair[0], file_index=pair[1])
-        for pair in set(zip(chunk.tolist(), file.tolist(), strict=True))
-    }
-    number = {name: i for i, name in enumerate(names)}
-    expected = np.array(
-        [number.get(pairs[c, f], -1) for c, f in zip(chunk.tolist(), file.tolist(), strict=True)]
-    )[of_run]
+    expected = said[of_run]
     wrong = ((file_of_run != expected) | (last != expected)) & (expected >= 0)
     if wrong.any():
         at, places = first(wrong)
@@ -128,4 +123,5 @@ def _files(contents: Contents) -> Iterator[Finding]:
                       file=names[file_of_run[at]], episode=int(of_run[at]),
                       column="data/file_index", row=int(there.start[known][at]),
                       found=names[last[at] if file_of_run[at] == expected[at] else file_of_run[at]],
-                      expected=names[expected[at]], places=places)  # fmt: skip
+                      expected=names[expected[at]], places=places,
+                      episodes=tuple(np.unique(of_run[wrong]).tolist()))  # fmt: skip

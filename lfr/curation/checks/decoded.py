@@ -74,15 +74,13 @@ def decode(
     import av
     from av.error import FFmpegError
 
-    chunk, number = contents.placed(f"videos/{key}")
     start = contents.episode_column(f"videos/{key}/from_timestamp")
-    for c, f in sorted(set(zip(chunk.tolist(), number.tolist(), strict=True))):
-        name = contents.named("video_path", video_key=key, chunk_index=c, file_index=f)
-        of_file = np.flatnonzero((chunk == c) & (number == f))
+    for name, of_file in contents.placed_in(f"videos/{key}").items():
         of_file = of_file[of_file < len(there.start)]
         frames = np.rint(start[of_file] * contents.fps).astype(int)
+        ends = frames + there.length[of_file]
         where: dict[str, Any] = {"file": name, "column": key}
-        expected = int((frames + there.length[of_file]).max()) if len(of_file) else 0
+        expected = int(ends.max()) if len(of_file) else 0
         decoded = 0
         try:
             with av.open(str(contents.path / name)) as container:
@@ -93,10 +91,11 @@ def decode(
                 for frame in container.decode(stream):
                     at = decoded
                     decoded += 1
+                    inside = np.flatnonzero((frames <= at) & (at < ends))
                     if frame.is_corrupt:
                         yield Finding("damaged-picture", "a frame that is damaged", **where,
-                                      found=f"frame {at}")  # fmt: skip
-                    inside = np.flatnonzero((frames <= at) & (at < frames + there.length[of_file]))
+                                      found=f"frame {at}",
+                                      episodes=_values(there, of_file[inside]))  # fmt: skip
                     if not len(inside):
                         continue
                     episode = int(of_file[inside[0]])
@@ -106,11 +105,17 @@ def decode(
                         seen.setdefault(episode, Seen()).add(row, frame)
         except (FFmpegError, OSError, IndexError) as error:
             yield Finding("damaged-picture", "a video that cannot be decoded", **where,
-                          found=f"{type(error).__name__} after frame {decoded - 1}")  # fmt: skip
+                          found=f"{type(error).__name__} after frame {decoded - 1}",
+                          episodes=_values(there, of_file[ends > decoded]))  # fmt: skip
             continue
         if decoded < expected:
             yield Finding("damaged-picture", "frames that cannot be decoded", **where,
-                          found=decoded, expected=expected)  # fmt: skip
+                          found=decoded, expected=expected,
+                          episodes=_values(there, of_file[ends > decoded]))  # fmt: skip
+
+
+def _values(there: Runs, places: NDArray) -> tuple[int, ...]:
+    return tuple(np.unique(there.episode[places]).tolist())
 
 
 def _detail(gray: NDArray[np.uint8]) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +21,8 @@ def check_files(contents: Contents) -> Iterator[Finding]:
         try:
             contents.opened(file)
         except Unreadable as unreadable:
-            yield unreadable.finding
+            of_file = contents.episodes_in(contents.relative(file))
+            yield replace(unreadable.finding, episodes=of_file)
     if not (contents.path / TASKS).is_file():
         yield Finding("missing-file", "not there", file=TASKS)
     folder = contents.source.origin
@@ -37,12 +39,11 @@ def check_files(contents: Contents) -> Iterator[Finding]:
         name = partial.relative_to(folder).as_posix()
         yield Finding("left-over", "an unfinished file", "warning", name)
     yield from _links(folder)
-    rows = {contents.relative(file) for file in contents.data_files}
-    yield from _named(contents, "data/", "data_path", rows)
+    yield from _named(contents, "data", {contents.relative(file) for file in contents.data_files})
     videos = [contents.relative(f) for f in files_below(contents.path / "videos", ".mp4")]
     for key in contents.pictures():
         of_key = {name for name in videos if key in name.split("/")}
-        yield from _named(contents, f"videos/{key}/", "video_path", of_key, video_key=key)
+        yield from _named(contents, f"videos/{key}", of_key)
 
 
 def _links(folder: Path) -> Iterator[Finding]:
@@ -60,28 +61,23 @@ def _links(folder: Path) -> Iterator[Finding]:
                           file.relative_to(folder).as_posix(), found=str(target))  # fmt: skip
 
 
-def _named(
-    contents: Contents, prefix: str, template: str, found: set[str], **names: str
-) -> Iterator[Finding]:
+def _named(contents: Contents, folder: str, found: set[str]) -> Iterator[Finding]:
     """The files that are there against those that the episodes name."""
-    chunk, file = contents.placed(prefix.rstrip("/"))
-    pairs, counts = np.unique(np.stack([chunk, file], axis=1), axis=0, return_counts=True)
-    expected = {
-        contents.named(template, chunk_index=c, file_index=f, **names): int(count)
-        for (c, f), count in zip(pairs.tolist(), counts, strict=True)
-    }
+    expected = contents.placed_in(folder)
     for name in sorted(set(expected) - found):
         yield Finding(
             "missing-file", "episodes name a file that is not there", file=name,
-            column=f"{prefix}file_index", places=expected[name],
+            column=f"{folder}/file_index", places=len(expected[name]),
+            episodes=tuple(expected[name].tolist()),
         )  # fmt: skip
     for name in sorted(found - set(expected)):
         yield Finding("left-over", "a file that no episode names", "warning", name)
     most = contents.info.get("chunks_size")
-    if isinstance(most, int) and len(pairs):
-        chunks, sizes = np.unique(pairs[:, 0], return_counts=True)
+    if isinstance(most, int) and expected:
+        pairs = set(zip(*(each.tolist() for each in contents.placed(folder)), strict=True))
+        chunks, sizes = np.unique([chunk for chunk, _ in pairs], return_counts=True)
         for i in np.flatnonzero(sizes > most):
             yield Finding(
                 "counts", "more files in a chunk than chunks_size", "warning",
-                file=f"{prefix}chunk-{int(chunks[i]):03d}", found=int(sizes[i]), expected=most,
+                file=f"{folder}/chunk-{int(chunks[i]):03d}", found=int(sizes[i]), expected=most,
             )  # fmt: skip

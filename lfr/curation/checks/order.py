@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lfr.curation.checks.counts import task_words
-from lfr.curation.contents import EPISODES, INFO, TASKS, Contents, runs
-from lfr.curation.finding import Finding, first
+from lfr.curation.contents import EPISODES, INFO, TASKS, Contents, at_episodes, runs
+from lfr.curation.finding import Finding
 
 TOLERANCE_S = 1e-4  # LeRobot's tolerance_s, beyond which it refuses to read a frame
 
@@ -22,11 +22,11 @@ def check_order(contents: Contents) -> Iterator[Finding]:
     frames = np.arange(rows) - there.of_rows(there.start)
     yield from _compare(contents, "frame-index", contents.column("frame_index"), frames)
     if (wrong := np.diff(there.episode) <= 0).any():
-        at, places = first(wrong)
-        yield Finding("episode-index", "an episode in pieces, or before another one",
-                      **contents.place(int(there.start[at + 1])), column="episode_index",
-                      found=int(there.episode[at + 1]), expected=f"above {there.episode[at]}",
-                      places=places)  # fmt: skip
+        at = int(wrong.argmax())
+        _, where = contents.at_rows(there.start[1:][wrong])
+        yield Finding("episode-index", "an episode in pieces, or before another one", **where,
+                      column="episode_index", found=int(there.episode[at + 1]),
+                      expected=f"above {there.episode[at]}")  # fmt: skip
 
 
 def check_time(contents: Contents) -> Iterator[Finding]:
@@ -54,18 +54,17 @@ def check_time(contents: Contents) -> Iterator[Finding]:
          & ~(found > expected)),
     ):  # fmt: skip
         if chosen.any():
-            at, places = first(chosen)
+            at, where = contents.at_rows(chosen)
             before = 0.0 if starts[at] else float(seconds[at - 1])
-            yield Finding(check, message, **contents.place(at), column="timestamp",
-                          found=float(seconds[at]), expected=before + float(expected[at]),
-                          places=places)  # fmt: skip
+            yield Finding(check, message, **where, column="timestamp", found=float(seconds[at]),
+                          expected=before + float(expected[at]))  # fmt: skip
     drift = np.abs(seconds - contents.column("frame_index") / contents.fps) > 10 * tolerance
     if drift.any() and not wrong.any():  # each step within the tolerance, their sum not
-        at, places = first(drift)
-        yield Finding("gap-in-time", "time that drifts away from frame_index / fps",
-                      **contents.place(at), column="timestamp", found=float(seconds[at]),
-                      expected=float(contents.column("frame_index")[at] / contents.fps),
-                      places=places)  # fmt: skip
+        at, where = contents.at_rows(drift)
+        expected_s = float(contents.column("frame_index")[at] / contents.fps)
+        yield Finding("gap-in-time", "time that drifts away from frame_index / fps", **where,
+                      column="timestamp", found=float(seconds[at]),
+                      expected=expected_s)  # fmt: skip
 
 
 def check_tasks(contents: Contents) -> Iterator[Finding]:
@@ -77,15 +76,17 @@ def check_tasks(contents: Contents) -> Iterator[Finding]:
     for number, text in words.items():
         what = "no words" if not str(text).strip() else "control characters in its words"
         if what == "no words" or not all(c.isprintable() or c in "\n\t" for c in str(text)):
+            those = np.unique(contents.column("episode_index")[index == number])
             yield Finding("tasks", f"a task with {what}", "warning", TASKS, column="task",
-                          found=f"task {number}: {text!r}")  # fmt: skip
+                          found=f"task {number}: {text!r}",
+                          episodes=tuple(those.tolist()))  # fmt: skip
     if len(set(words.values())) != len(words):
         yield Finding("tasks", "the same words twice", "warning", TASKS, column="task")
     unknown = ~np.isin(index, list(words))
     if unknown.any():
-        at, places = first(unknown)
-        yield Finding("tasks", "a task without words", **contents.place(at), column="task_index",
-                      found=int(index[at]), expected=sorted(words), places=places)  # fmt: skip
+        at, where = contents.at_rows(unknown)
+        yield Finding("tasks", "a task without words", **where, column="task_index",
+                      found=int(index[at]), expected=sorted(words))  # fmt: skip
         return
     if "tasks" not in contents.episodes.column_names:
         yield Finding("schema", "a column is missing", file=EPISODES, column="tasks")
@@ -100,16 +101,16 @@ def check_tasks(contents: Contents) -> Iterator[Finding]:
         if 0 <= episode < len(listed) and set(listed[episode] or ()) != done[episode]:
             wrong.append(episode)
     if wrong:
-        yield Finding("tasks", "other tasks than its rows have", file=EPISODES, episode=wrong[0],
-                      column="tasks", found=listed[wrong[0]], expected=sorted(done[wrong[0]]),
-                      places=len(wrong))  # fmt: skip
+        at, where = at_episodes(np.array(wrong))
+        yield Finding("tasks", "other tasks than its rows have", file=EPISODES, column="tasks",
+                      found=listed[at], expected=sorted(done[at]), **where)  # fmt: skip
 
 
 def _compare(
     contents: Contents, check: str, found: NDArray, expected: NDArray
 ) -> Iterator[Finding]:
     if (wrong := found != expected).any():
-        at, places = first(wrong)
-        yield Finding(check, "rows out of order, missing, or there twice", **contents.place(at),
+        at, where = contents.at_rows(wrong)
+        yield Finding(check, "rows out of order, missing, or there twice", **where,
                       column=check.replace("-", "_"), found=int(found[at]),
-                      expected=int(expected[at]), places=places)  # fmt: skip
+                      expected=int(expected[at]))  # fmt: skip

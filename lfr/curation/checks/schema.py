@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import pyarrow as pa
@@ -38,7 +39,8 @@ def check_schema(contents: Contents) -> Iterator[Finding]:
         yield from _described(key, feature)
     yield from _episode_files(contents)
     for file, schema in zip(contents.data_files, contents.schemas, strict=True):
-        yield from _file(contents, contents.relative(file), schema)
+        for finding in _file(contents, relative := contents.relative(file), schema):
+            yield replace(finding, episodes=contents.episodes_in(relative))
 
 
 def _episode_files(contents: Contents) -> Iterator[Finding]:

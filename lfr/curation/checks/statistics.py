@@ -162,7 +162,8 @@ def _episodes(contents: Contents, key: str, values: NDArray, there: Runs) -> Ite
         yield Finding("statistics", f"not the statistics of the episode's rows "
                       f"({', '.join(names)})", _severity(key), EPISODES, episode, column,
                       found=float(found[episode, at]), expected=float(expected[episode, at]),
-                      places=int(places.sum()))  # fmt: skip
+                      places=int(places.sum()),
+                      episodes=tuple(np.flatnonzero(places).tolist()))  # fmt: skip
 
 
 def _severity(key: str) -> Severity:

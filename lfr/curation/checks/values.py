@@ -10,8 +10,16 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from lfr.curation.checks.ranges import bounds
-from lfr.curation.contents import DEFAULT_FEATURES, EPISODES, NOT_NUMBERS, Contents, Runs, runs
-from lfr.curation.finding import Finding, first
+from lfr.curation.contents import (
+    DEFAULT_FEATURES,
+    EPISODES,
+    NOT_NUMBERS,
+    Contents,
+    Runs,
+    at_episodes,
+    runs,
+)
+from lfr.curation.finding import Finding
 from lfr.data.episode import DONE, REWARD, SUCCESS
 from lfr.data.features import names_of, shape_of
 
@@ -38,12 +46,11 @@ def check_values(contents: Contents) -> Iterator[Finding]:
                           found=rows.shape[1:], expected=(expected,))  # fmt: skip
             continue
         finite = np.isfinite(rows) if rows.dtype.kind == "f" else np.ones(rows.shape, bool)
-        bad = ~finite.all(axis=1)
+        bad = np.asarray(~finite.all(axis=1))
         if bad.any():
-            at, places = first(bad)
-            yield Finding("not-finite", "NaN or infinite", **contents.place(at), column=key,
-                          found=rows[at].tolist(), expected="finite numbers",
-                          places=places)  # fmt: skip
+            at, where = contents.at_rows(bad)
+            yield Finding("not-finite", "NaN or infinite", **where, column=key,
+                          found=rows[at].tolist(), expected="finite numbers")  # fmt: skip
         if key in DEFAULT_FEATURES or not len(rows):
             continue
         names = _names(contents.features[key], key, rows.shape[1])
@@ -56,9 +63,8 @@ def check_values(contents: Contents) -> Iterator[Finding]:
             observed = True
             still &= _still(rows, there)
     if observed and (still & (there.length > 1)).any():
-        at, places = first(still & (there.length > 1))
-        yield Finding("frozen", "nothing that is observed moves", "warning",
-                      **contents.place(int(there.start[at])), places=places)  # fmt: skip
+        _, where = contents.at_rows(there.start[still & (there.length > 1)])
+        yield Finding("frozen", "nothing that is observed moves", "warning", **where)
     yield from _outcomes(contents, there)
 
 
@@ -77,9 +83,9 @@ def _tensors(contents: Contents) -> Iterator[Finding]:
             continue
         bad = ~np.isfinite(column.to_numpy(zero_copy_only=False))
         if bad.any() and len(bad) % count == 0:
-            at, places = first(bad.reshape(count, -1).any(axis=1))
-            yield Finding("not-finite", "NaN or infinite", **contents.place(at), column=key,
-                          expected="finite numbers", places=places)  # fmt: skip
+            _, where = contents.at_rows(bad.reshape(count, -1).any(axis=1))
+            yield Finding("not-finite", "NaN or infinite", **where, column=key,
+                          expected="finite numbers")  # fmt: skip
 
 
 def _names(feature: dict[str, Any], key: str, size: int) -> list[str]:
@@ -98,10 +104,9 @@ def _ranges(contents: Contents, key: str, names: list[str], rows: NDArray) -> It
         column = rows[:, i]
         wrong = (column < low - SLACK) | (column > high + SLACK)
         if wrong.any():
-            at, places = first(wrong)
-            yield Finding("range", "out of its range", **contents.place(at), column=names[i],
-                          found=float(column[at]), expected=f"{low:g} to {high:g}",
-                          places=places)  # fmt: skip
+            at, where = contents.at_rows(wrong)
+            yield Finding("range", "out of its range", **where, column=names[i],
+                          found=float(column[at]), expected=f"{low:g} to {high:g}")  # fmt: skip
 
 
 def _constant(key: str, names: list[str], rows: NDArray) -> Iterator[Finding]:
@@ -115,10 +120,10 @@ def _spikes(contents: Contents, names: list[str], rows: NDArray) -> Iterator[Fin
     span = np.maximum(high - middle, middle - low).astype(np.float64)
     far = (np.abs(rows - middle) > SPIKE * span) & (span > 0)
     for i in np.flatnonzero(far.any(axis=0)):
-        at, places = first(far[:, i])
-        yield Finding("spike", "far from all other values", "warning", **contents.place(at),
-                      column=names[i], found=float(rows[at, i]),
-                      expected=f"98 % are in {low[i]:g} to {high[i]:g}", places=places)  # fmt: skip
+        at, where = contents.at_rows(far[:, i])
+        yield Finding("spike", "far from all other values", "warning", **where, column=names[i],
+                      found=float(rows[at, i]),
+                      expected=f"98 % are in {low[i]:g} to {high[i]:g}")  # fmt: skip
 
 
 def _still(rows: NDArray, there: Runs) -> NDArray[np.bool_]:
@@ -140,10 +145,9 @@ def _outcomes(contents: Contents, there: Runs) -> Iterator[Finding]:
             (_only(last, len(done)) & ~done, "not done at the episode's end", False),
         ):
             if chosen.any():
-                at, places = first(chosen)
-                yield Finding("done", message, "error" if found else "warning",
-                              **contents.place(at), column=DONE, found=found, expected=not found,
-                              places=places)  # fmt: skip
+                _, where = contents.at_rows(chosen)
+                yield Finding("done", message, "error" if found else "warning", **where,
+                              column=DONE, found=found, expected=not found)  # fmt: skip
     if SUCCESS in contents.features:
         any_success = np.logical_or.reduceat(
             contents.column(SUCCESS).astype(bool).ravel(), there.start
@@ -153,20 +157,19 @@ def _outcomes(contents: Contents, there: Runs) -> Iterator[Finding]:
             yield Finding("success", "no successful episode", "warning", "data", column=SUCCESS,
                           found=f"0 of {len(any_success)}")  # fmt: skip
         elif 0 < failed.mean() <= SELDOM:
-            at, places = first(failed)
-            yield Finding("success", "fails, as hardly any other episode does", "warning",
-                          **contents.place(int(there.start[at])), column=SUCCESS,
-                          found=f"{failed.sum()} of {len(failed)}", places=places)  # fmt: skip
+            _, where = contents.at_rows(there.start[failed])
+            yield Finding("success", "fails, as hardly any other episode does", "warning", **where,
+                          column=SUCCESS, found=f"{failed.sum()} of {len(failed)}")  # fmt: skip
         said = _said(contents)
         if len(said) == len(any_success):
             wrong = np.array(
                 [s is not None and s != a for s, a in zip(said, any_success, strict=True)]
             )
             if wrong.any():
-                at, places = first(wrong)
+                at, where = at_episodes(wrong)
                 yield Finding("success", "another outcome than its rows have", file=EPISODES,
-                              episode=at, column="success", found=said[at],
-                              expected=bool(any_success[at]), places=places)  # fmt: skip
+                              column="success", found=said[at], expected=bool(any_success[at]),
+                              **where)  # fmt: skip
 
 
 def _said(contents: Contents) -> list[bool | None]:

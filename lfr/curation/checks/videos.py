@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from lfr.curation.checks.order import TOLERANCE_S
-from lfr.curation.contents import EPISODES, Contents
+from lfr.curation.contents import EPISODES, Contents, at_episodes
 from lfr.curation.finding import Finding, first
 from lfr.curation.mp4 import BrokenVideoError, VideoHeader, read_header
 from lfr.data.features import names_of, settings_of, shape_of
@@ -21,40 +21,40 @@ def check_videos(contents: Contents) -> Iterator[Finding]:
     """Every camera's files, by their headers alone: no frame is decoded."""
     for key in contents.pictures():
         prefix = f"videos/{key}/"
-        chunk, number = contents.placed(f"videos/{key}")
         start, end = (
             contents.episode_column(prefix + name) for name in ("from_timestamp", "to_timestamp")
         )
         found = np.rint((end - start) * contents.fps)
         if (wrong := found != contents.lengths).any():
-            at, places = first(wrong)
+            at, where = at_episodes(wrong)
             yield Finding("video-frames", "another number of frames than rows", file=EPISODES,
-                          episode=at, column=prefix + "to_timestamp", found=int(found[at]),
-                          expected=int(contents.lengths[at]), places=places)  # fmt: skip
-        for c, f in sorted(set(zip(chunk.tolist(), number.tolist(), strict=True))):
-            name = contents.named("video_path", video_key=key, chunk_index=c, file_index=f)
+                          column=prefix + "to_timestamp", found=int(found[at]),
+                          expected=int(contents.lengths[at]), **where)  # fmt: skip
+        for name, episodes in contents.placed_in(f"videos/{key}").items():
             if not (contents.path / name).is_file():
                 continue  # said where files are checked
-            episodes = np.flatnonzero((chunk == c) & (number == f))
             try:
                 header = read_header(contents.path / name)
             except BrokenVideoError as error:
+                _, where = at_episodes(episodes)
                 yield Finding("damaged-file", "a video that does not play", file=name, column=key,
-                              episode=int(episodes[0]), found=str(error),
-                              expected="a whole MP4 file", places=len(episodes))  # fmt: skip
+                              found=str(error), expected="a whole MP4 file", **where)  # fmt: skip
                 continue
-            yield from _format(contents, key, name, header)
-            yield from _times(contents, name, key, header)
+            yield from _format(contents, key, name, header, episodes)
+            yield from _times(contents, name, key, header, episodes, start, end)
             yield from _places(contents, name, key, header, episodes, start, end)
 
 
-def _format(contents: Contents, key: str, name: str, header: VideoHeader) -> Iterator[Finding]:
+def _format(
+    contents: Contents, key: str, name: str, header: VideoHeader, episodes: np.ndarray
+) -> Iterator[Finding]:
     feature = contents.features[key]
     named: dict[str, int] = dict(zip(names_of(feature), shape_of(feature), strict=False))
     expected = (named.get("height"), named.get("width"))
     if None not in expected and (header.height, header.width) != expected:
         yield Finding("shape", "a video of another size than info.json says", file=name, column=key,
-                      found=(header.height, header.width), expected=expected)  # fmt: skip
+                      found=(header.height, header.width), expected=expected,
+                      episodes=tuple(episodes.tolist()))  # fmt: skip
     for setting, said in (("video.codec", header.codec), ("video.pix_fmt", header.pixels)):
         told = settings_of(feature).get(setting)
         told = ENCODERS.get(told, told) if isinstance(told, str) else None
@@ -67,14 +67,30 @@ def _format(contents: Contents, key: str, name: str, header: VideoHeader) -> Ite
                       column=key, found=fps, expected=contents.fps)  # fmt: skip
 
 
-def _times(contents: Contents, name: str, key: str, header: VideoHeader) -> Iterator[Finding]:
+def _times(
+    contents: Contents,
+    name: str,
+    key: str,
+    header: VideoHeader,
+    episodes: np.ndarray,
+    start: np.ndarray,
+    end: np.ndarray,
+) -> Iterator[Finding]:
+    """Its frames follow one another by 1 / fps."""
     # Containers keep times in whole ticks, so two neighbours may differ by one.
     steps = np.diff(header.times)
     wrong = np.abs(steps - 1 / contents.fps) > max(2e-3 / contents.fps, TOLERANCE_S)
     if wrong.any():
         at, places = first(wrong)
+        before = np.concatenate([[0], np.cumsum(wrong)])  # steps up to each frame that are wrong
+        first_frame, end_frame = (
+            np.clip(np.rint(times[episodes] * contents.fps).astype(int), 0, len(steps))
+            for times in (start, end)
+        )
+        reached = before[end_frame] > before[np.maximum(first_frame - 1, 0)]
         where = {"file": name, "column": key, "found": float(steps[at]),
-                 "expected": 1 / contents.fps, "places": places}  # fmt: skip
+                 "expected": 1 / contents.fps, "places": places,
+                 "episodes": tuple(episodes[reached].tolist())}  # fmt: skip
         if places == len(steps):
             yield Finding("fps", "a video at another rate than the rows", **where)
         else:
@@ -96,24 +112,24 @@ def _places(
     order = np.argsort(first_frame, kind="stable")
     off = np.abs(start[episodes] * contents.fps - first_frame) > TOLERANCE_S * contents.fps
     if off.any():
-        at, places = first(off)
+        at, where = at_episodes(episodes[off])
         yield Finding("video-frames", "an episode that starts between two frames", file=name,
-                      episode=int(episodes[at]), column=f"videos/{key}/from_timestamp",
-                      found=float(start[episodes][at]),
-                      expected=float(first_frame[at] / contents.fps), places=places)  # fmt: skip
+                      column=f"videos/{key}/from_timestamp", found=float(start[at]),
+                      expected=float(np.rint(start[at] * contents.fps) / contents.fps),
+                      **where)  # fmt: skip
     beyond = end_frame > header.frames
     if beyond.any():
-        at, places = first(beyond)
-        yield Finding("video-frames", "the video ends before the episode", file=name,
-                      episode=int(episodes[at]), column=key, found=header.frames,
-                      expected=int(end_frame[at]), places=places)  # fmt: skip
+        _, where = at_episodes(episodes[beyond])
+        yield Finding("video-frames", "the video ends before the episode", file=name, column=key,
+                      found=header.frames, expected=int(end_frame[beyond.argmax()]),
+                      **where)  # fmt: skip
     overlap = first_frame[order][1:] < end_frame[order][:-1]
     if overlap.any():
-        at, places = first(overlap)
+        at = int(overlap.argmax())
+        _, where = at_episodes(episodes[order][1:][overlap])
         yield Finding("video-frames", "an episode that shows another one's frames", file=name,
-                      episode=int(episodes[order][at + 1]), column=key,
-                      found=int(first_frame[order][at + 1]),
-                      expected=int(end_frame[order][at]), places=places)  # fmt: skip
+                      column=key, found=int(first_frame[order][at + 1]),
+                      expected=int(end_frame[order][at]), **where)  # fmt: skip
     used = int((end_frame - first_frame).sum())
     if header.frames > used and not beyond.any() and not overlap.any():
         yield Finding("video-frames", "frames that belong to no episode", "warning", name,

@@ -155,20 +155,20 @@ def stretches(mask: NDArray[np.bool_]) -> tuple[Rows, Rows]:
 
 def warning(
     contents: Contents, there: Runs, episode: int, check: str, message: str, *,
-    column: str, first: int | None = None, last: int | None = None, places: int = 1, **more: Any,
+    column: str, first: int | None = None, last: int | None = None, **more: Any,
 ) -> Finding:  # fmt: skip
     """A finding about frames of an episode.
 
     Args:
         episode: its place among the runs of rows.
         first, last: rows over all episodes; None is the episode's first, or its last.
-        more: ``found``, ``expected``.
+        more: ``found``, ``expected``; of several episodes or rows ``places``, ``episodes``.
     """
     begin = int(there.start[episode])
     first = begin if first is None else int(first)
     last = begin + int(there.length[episode]) - 1 if last is None else int(last)
     return Finding(check, message, "warning", **contents.place(first), column=column,
-                   frames=(first - begin, last - begin), places=places, **more)  # fmt: skip
+                   frames=(first - begin, last - begin), **more)  # fmt: skip
 
 
 def apart(values: Array, times: float) -> NDArray[np.bool_]:

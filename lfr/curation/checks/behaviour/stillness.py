@@ -114,6 +114,7 @@ def repeated(contents: Contents, found: list[Signal]) -> Iterator[Finding]:
         contents, there, episode, "repeated-rows",
         "rows repeat the one before; recorded at a lower rate than the dataset says?", column="",
         found=f"{100 * share[odd].mean():.0f} % of the rows", expected="few", places=int(odd.sum()),
+        episodes=tuple(np.unique(there.episode[odd]).tolist()),
     )  # fmt: skip
 
 
