@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from lfr.artifacts import as_json
 from lfr.errors import DataError
@@ -57,7 +57,7 @@ class Finding:
         if self.frames is not None:
             named |= {"row": None, "frames": "{} to {}".format(*self.frames)}
         named |= {"found": self.found, "expected": self.expected}
-        where += [f"{name} {_short(value)}" for name, value in named.items() if value is not None]
+        where += [f"{name} {short(value)}" for name, value in named.items() if value is not None]
         more = f" (and {self.places - 1} more)" if self.places > 1 else ""
         return f"{self.severity}: {self.check}: {self.message}: {', '.join(where)}{more}"
 
@@ -67,11 +67,43 @@ class Finding:
         for name in ("found", "expected"):  # JSON has no NaN
             value = getattr(self, name)
             if value is not None and not isinstance(value, bool | int | str):
-                content[name] = _short(value)
+                content[name] = short(value)
         return content
 
+    @classmethod
+    def from_json(cls, content: Any, file: Path) -> Finding:
+        """What `as_json` gave.
 
-def _short(value: object) -> str:
+        Args:
+            file: that it stood in, for the error.
+
+        Raises:
+            DataError: it is no finding.
+        """
+        values = content if isinstance(content, dict) else {}
+        episodes, frames = values.get("episodes") or (), values.get("frames")
+        sound = (
+            isinstance(values.get("check"), str)
+            and values.get("severity") in get_args(Severity)
+            and all(isinstance(values.get(name, ""), str) for name in ("message", "file"))
+            and isinstance(values.get("column"), str | None)
+            and all(type(values.get(name, 0)) is int for name in ("places", "row", "episode")
+                    if name == "places" or values.get(name) is not None)
+            and isinstance(episodes, list | tuple)
+            and all(type(episode) is int for episode in episodes)
+            and (frames is None or (isinstance(frames, list) and len(frames) == 2
+                                    and all(type(frame) is int for frame in frames)))
+        )  # fmt: skip
+        if not sound:
+            raise DataError("holds what is no finding", file=file, found=short(content),
+                            expected="what lfr verify --json prints")  # fmt: skip
+        known = {field.name: values[field.name] for field in fields(cls) if field.name in values}
+        known |= {"episodes": tuple(episodes), "frames": tuple(frames) if frames else None}
+        return cls(**{"message": "", **known})
+
+
+def short(value: object) -> str:
+    """A value in a line of no more than 200 letters."""
     text = f"{value:.9g}" if isinstance(value, float) else str(value)
     text = " ".join(text.split())
     return text if len(text) <= 200 else f"{text[:197]}..."

@@ -9,6 +9,7 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
+from lfr.artifacts import as_json
 from lfr.curation.checks.behaviour import check_behaviour
 from lfr.curation.checks.counts import check_counts
 from lfr.curation.checks.files import check_files
@@ -22,6 +23,7 @@ from lfr.curation.checks.values import check_values
 from lfr.curation.checks.videos import check_videos
 from lfr.curation.contents import Contents
 from lfr.curation.finding import Finding, Unreadable
+from lfr.curation.scores import Score, episode_lengths, scores
 from lfr.data.source import Fault, source_of
 from lfr.errors import DataError
 from lfr.progress import progress
@@ -52,6 +54,10 @@ class Report:
         findings: in the order of the checks.
         episodes, frames: as info.json counts them.
         not_checked: what could not be looked at, and why; nothing is wrong with it.
+        lengths: frames of each episode, as meta/episodes has it; none where that cannot be read.
+        accepted: findings that are known, and set aside (`lfr.curation.accepted`).
+        unmatched: which accepted ones are not found any more, in a line; "" where all are.
+        contents: what was looked at, for those who show it.
     """
 
     path: Path
@@ -59,6 +65,10 @@ class Report:
     episodes: int = 0
     frames: int = 0
     not_checked: tuple[str, ...] = field(default=())
+    lengths: tuple[int, ...] = ()
+    accepted: tuple[Finding, ...] = ()
+    unmatched: str = ""
+    contents: Contents | None = field(default=None, compare=False, repr=False)
 
     @property
     def errors(self) -> list[Finding]:
@@ -68,12 +78,18 @@ class Report:
     def warnings(self) -> list[Finding]:
         return [finding for finding in self.findings if finding.severity == "warning"]
 
+    @property
+    def scores(self) -> list[Score]:
+        """Of every episode, in order."""
+        return scores(self.findings, self.lengths)
+
     def __str__(self) -> str:
         """The last line."""
+        known = f", {len(self.accepted)} accepted" if self.accepted else ""
         rest = f"; not checked: {', '.join(self.not_checked)}" if self.not_checked else ""
         return (
             f"{self.path}: {self.episodes} episodes, {self.frames} frames: "
-            f"{_count(self.errors, 'error')}, {_count(self.warnings, 'warning')}{rest}"
+            f"{_count(self.errors, 'error')}, {_count(self.warnings, 'warning')}{known}{rest}"
         )
 
     def as_json(self) -> dict[str, Any]:
@@ -85,6 +101,9 @@ class Report:
             "warnings": len(self.warnings),
             "not_checked": list(self.not_checked),
             "findings": [finding.as_json() for finding in self.findings],
+            "accepted": [finding.as_json() for finding in self.accepted],
+            "unmatched": self.unmatched,
+            "scores": as_json(self.scores),
         }
 
 
@@ -124,8 +143,9 @@ def verify_dataset(path: Path, logs: Path | None = None, pictures: int | None = 
     totals = [contents.info.get(name) for name in ("total_episodes", "total_frames")]
     episodes, frames = (total if isinstance(total, int) else 0 for total in totals)
     return Report(
-        name, tuple(findings.values()), episodes, frames, tuple(_not_checked(contents, logs))
-    )
+        name, tuple(findings.values()), episodes, frames, tuple(_not_checked(contents, logs)),
+        lengths=episode_lengths(contents), contents=contents,
+    )  # fmt: skip
 
 
 def _of_fault(fault: Fault) -> Finding:
