@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     import rerun.blueprint as rrb
 
 BACKGROUND = (22, 25, 31)
+FINDINGS, FINDINGS_LIST = "/findings", "/findings/list"
 UNIT = (-1.05, 1.05)
 """What is shown of an action in [-1, 1]."""
 
@@ -32,6 +33,7 @@ class EpisodeLayout:
         actions: of its action, likewise below `/action`.
         gripper: whether the action is a known one, in [-1, 1], with a gripper of its own.
         absent: which of `/state`, `/reward` and `/joints` the episode does not have.
+        findings: whether what is found of it is shown.
     """
 
     title: str
@@ -41,6 +43,7 @@ class EpisodeLayout:
     actions: Mapping[str, str] = field(default_factory=dict)
     gripper: bool = False
     absent: frozenset[str] = frozenset()
+    findings: bool = False
 
 
 def episode_blueprint(layout: EpisodeLayout) -> rrb.Blueprint:
@@ -184,9 +187,28 @@ def _episode_tab(layout: EpisodeLayout) -> rrb.Container:
         left: rrb.View | rrb.Container = arm_view(layout.title, layout.eye)
     elif cameras:
         left = rrb.Grid(*cameras)
+    elif layout.findings:
+        return rrb.Horizontal(_findings_view(), right, name="Episode")
     else:
         return rrb.Horizontal(right, name="Episode")
+    if layout.findings:
+        left = rrb.Vertical(left, _findings_view(), row_shares=[1.7, 1])
     return rrb.Horizontal(left, right, column_shares=[1.7, 1], name="Episode")
+
+
+def _findings_view() -> rrb.Container:
+    """The findings in the order of time, where a click leads to each, above all there is to say."""
+    import rerun.blueprint as rrb
+
+    log = rrb.TextLogView(
+        origin=FINDINGS,
+        contents=[FINDINGS],
+        name="Findings: a click on a time leads there",
+        columns=rrb.TextLogColumns(
+            timeline_columns=["time"], text_log_columns=["loglevel", "body"]
+        ),
+    )
+    return rrb.Tabs(log, rrb.TextDocumentView(origin=FINDINGS_LIST, name="All that is said"))
 
 
 def _actions(layout: EpisodeLayout) -> list[rrb.View]:

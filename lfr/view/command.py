@@ -20,11 +20,15 @@ from lfr.view.recordings import (
     going,
     make_episodes,
     recordings,
+    with_findings,
 )
 from lfr.view.selection import ORDERS, Ranges, Selection
 
 if TYPE_CHECKING:
+    from lfr.view.findings import Findings
     from lfr.view.viewer import Viewer
+
+VERIFY = ""  # of --findings: no file, so that the dataset is looked at now
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -49,7 +53,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     outcome.add_argument("--failed", action="store_true", help="those without success")
     outcome.add_argument("--succeeded", action="store_true", help="those with success")
     chosen.add_argument(
-        "--sort", choices=ORDERS, help="longest, highest reward, or lowest number or seed first"
+        "--sort",
+        choices=ORDERS,
+        help="longest, highest reward, or lowest number, seed or score first",
     )
     chosen.add_argument("--reverse", action="store_true", help="turn the order round")
     chosen.add_argument(
@@ -69,6 +75,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     shown.add_argument(
         "--skills", type=Path, metavar="FOLDER",
         help="of all skill models (default: beside that of all mappings)",
+    )  # fmt: skip
+    shown.add_argument(
+        "--findings", nargs="?", const=VERIFY, metavar="FILE.json",
+        help="of a dataset, worst episodes first: what lfr verify finds, or printed with --json",
     )  # fmt: skip
     shown.add_argument("--at", type=float, metavar="SECONDS", help="stand there, do not play")
 
@@ -126,7 +136,8 @@ def _list(arguments: argparse.Namespace) -> int:
     collection = collection_of(path)
     if collection is None:
         raise LfrError(f"{path} has no episodes to list; expected a dataset or logs")
-    entries = collection.entries()
+    _check_names(arguments)
+    entries = with_findings(collection, _findings(arguments)).entries()
     kept = (_selection(arguments) or Selection()).apply(entries)
     try:
         print(table(kept, len(entries), collection.fps), flush=True)
@@ -195,8 +206,21 @@ def _wanted(arguments: argparse.Namespace) -> Wanted:
     else:
         without = argparse.Namespace(**{**vars(arguments), "seed": None})
         selection, seed = _selection(without), _start(arguments.seed)
-    at = arguments.at
-    return Wanted(selection, seed, arguments.mapping, arguments.skills, at)
+    findings = _findings(arguments)
+    if findings is not None and arguments.episodes is None:
+        selection = replace(
+            selection or Selection(), findings=True, order=arguments.sort or "score"
+        )
+    return Wanted(selection, seed, arguments.mapping, arguments.skills, arguments.at, findings)
+
+
+def _findings(arguments: argparse.Namespace) -> Findings | None:
+    if arguments.findings is None:
+        return None
+    from lfr.view.findings import findings_of
+
+    file = None if arguments.findings == VERIFY else Path(arguments.findings)
+    return findings_of(existing(arguments.path), file)
 
 
 def _selection(arguments: argparse.Namespace) -> Selection | None:
@@ -224,6 +248,10 @@ def _start(seeds: Ranges | None) -> int | None:
 def _check_names(arguments: argparse.Namespace) -> None:
     if arguments.skills is not None and arguments.mapping is None:
         raise LfrError("--skills says where skill models lie; --mapping says of which transfer")
+    if arguments.sort == "score" and arguments.findings is None:
+        raise LfrError("--sort score needs --findings, by which episodes are scored")
+    if arguments.findings is not None and arguments.side_by_side is not None:
+        raise LfrError("--findings are shown of one episode at a time, not side by side")
     if arguments.save is not None and arguments.save.suffix != ".rrd":
         raise LfrError(f"--save writes rerun recordings: found {arguments.save}, "
                        "expected a name in .rrd")  # fmt: skip

@@ -20,7 +20,8 @@ from lfr.errors import DataError
 from lfr.view.selection import Entry
 
 EPISODE = "episode_index"
-COLUMNS = ("episode", "frames", "seconds", "success", "reward", "seed", "note")
+NUMBERS = ("episode", "frames", "seconds", "success", "reward", "seed", "score")
+WORDS = ("kinds", "note")
 
 
 def dataset_entries(path: Path) -> list[Entry]:
@@ -63,23 +64,29 @@ def table(entries: Sequence[Entry], of: int | None = None, fps: float = FPS) -> 
         fps: frames per second.
     """
     rows = [
-        (
-            str(entry.index),
-            str(entry.length),
-            f"{entry.length / fps:.2f}",
-            {True: "yes", False: "no", None: "-"}[entry.success],
-            "-" if entry.reward is None else f"{entry.reward:.3f}",
-            "-" if entry.seed is None else str(entry.seed),
-            entry.note,
-        )
+        {
+            "episode": str(entry.index),
+            "frames": str(entry.length),
+            "seconds": f"{entry.length / fps:.2f}",
+            "success": {True: "yes", False: "no", None: "-"}[entry.success],
+            "reward": "-" if entry.reward is None else f"{entry.reward:.3f}",
+            "seed": "-" if entry.seed is None else str(entry.seed),
+            "score": "" if entry.score is None else f"{entry.score:g}",
+            "kinds": ", ".join(entry.kinds),
+            "note": entry.note,
+        }
         for entry in entries
     ]
-    shown = len(COLUMNS) if any(entry.note for entry in entries) else len(COLUMNS) - 1
-    widths = [max(map(len, column)) for column in zip(COLUMNS, *rows, strict=True)]
+    optional = ("score", *WORDS)  # what nothing is known of has no column
+    shown = [n for n in (*NUMBERS, *WORDS) if n not in optional or any(row[n] for row in rows)]
+    rows.insert(0, {name: name for name in shown})
+    widths = {name: max(len(row[name]) for row in rows) for name in shown}
     lines = [
-        "  ".join(cell.rjust(width) for cell, width in zip(row[:6], widths[:6], strict=True))
-        + (f"  {row[6]}".rstrip() if shown == len(COLUMNS) else "")
-        for row in (COLUMNS, *rows)
+        "  ".join(
+            row[name].rjust(widths[name]) if name in NUMBERS else row[name].ljust(widths[name])
+            for name in shown
+        ).rstrip()
+        for row in rows
     ]
     return "\n".join([*lines, summary(entries, of, fps)])
 

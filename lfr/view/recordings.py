@@ -4,15 +4,22 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lfr.errors import LfrError
-from lfr.view.collection import Collection, Overlay, collection_of, save_episodes
+from lfr.view.collection import (
+    EPISODE_ALONE,
+    Collection,
+    Overlay,
+    collection_of,
+    save_episodes,
+)
 from lfr.view.selection import Selection
 
 if TYPE_CHECKING:
+    from lfr.view.findings import Findings
     from lfr.view.learning import RunRecordings
 
 VALID = (
@@ -55,6 +62,7 @@ class Wanted:
         mapping: folder of a transfer's G and F, for the skill view.
         skills: folder of all skill models; None is that beside the folder of all mappings.
         at: s; the viewer stands there instead of playing.
+        findings: of a dataset's episodes, shown with them.
     """
 
     selection: Selection | None = None
@@ -62,6 +70,7 @@ class Wanted:
     mapping: Path | None = None
     skills: Path | None = None
     at: float | None = None
+    findings: Findings | None = None
 
 
 def recordings(path: Path, folder: Path, wanted: Wanted) -> Shown:
@@ -73,7 +82,7 @@ def recordings(path: Path, folder: Path, wanted: Wanted) -> Shown:
     path = existing(path)
     collection = collection_of(path)
     if collection is not None:
-        return _episodes(collection, path, folder, wanted)
+        return _episodes(with_findings(collection, wanted.findings), path, folder, wanted)
     if wanted.mapping is not None:
         raise LfrError(f"--mapping shows demonstrations: found {path}, expected a dataset or logs")
     if wanted.selection is not None:
@@ -128,6 +137,8 @@ def _episodes(collection: Collection, path: Path, folder: Path, wanted: Wanted) 
         every = collection.entries()
         numbers = [entry.index for entry in wanted.selection.apply(every)]
         if not numbers:
+            if wanted.selection == Selection(findings=True, order="score"):
+                raise LfrError(f"nothing is found in any of the {len(every)} episodes of {path}")
             raise LfrError(f"none of the {len(every)} episodes of {path} is as wanted; see --list")
         if wanted.selection.first is None and len(numbers) > MOST:
             print(f"the first {MOST} of {len(numbers)} episodes; --first N opens N", flush=True)
@@ -139,12 +150,23 @@ def _episodes(collection: Collection, path: Path, folder: Path, wanted: Wanted) 
 def make_episodes(
     collection: Collection, numbers: list[int], folder: Path, wanted: Wanted
 ) -> list[Path]:
-    """The episodes of these numbers, with their skills if these are wanted."""
-    if wanted.mapping is None:
-        return save_episodes(collection, numbers, folder, at=wanted.at)
-    episode, _ = collection.read(numbers[0])
-    overlay = _skills(wanted.mapping, wanted.skills, episode.task)
+    """The episodes of these numbers, with their skills and findings if these are wanted."""
+    overlay = EPISODE_ALONE
+    if wanted.mapping is not None:
+        episode, _ = collection.read(numbers[0])
+        overlay = _skills(wanted.mapping, wanted.skills, episode.task)
+    if wanted.findings is not None:
+        from lfr.view.findings import findings_overlay
+
+        overlay = findings_overlay(wanted.findings, overlay)
     return save_episodes(collection, numbers, folder, overlay=overlay, at=wanted.at)
+
+
+def with_findings(collection: Collection, findings: Findings | None) -> Collection:
+    """The collection, its entries marked with what is found."""
+    if findings is None:
+        return collection
+    return replace(collection, entries=lambda: findings.marked(collection.entries()))
 
 
 def _skills(mapping: Path, skills: Path | None, task: str) -> Overlay:

@@ -9,7 +9,7 @@ from typing import Literal, get_args
 
 from lfr.errors import LfrError
 
-Order = Literal["episode", "length", "reward", "seed"]
+Order = Literal["episode", "length", "reward", "seed", "score"]
 ORDERS: tuple[Order, ...] = get_args(Order)
 
 
@@ -24,6 +24,8 @@ class Entry:
         reward: summed over its frames.
         seed: of its start.
         note: what else there is to say, such as that its file is cut off.
+        score: by what `lfr verify` finds, from 0 to 1.
+        kinds: of findings that name it.
     """
 
     index: int
@@ -32,6 +34,8 @@ class Entry:
     reward: float | None = None
     seed: int | None = None
     note: str = ""
+    score: float | None = None
+    kinds: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -67,7 +71,9 @@ class Selection:
     Attributes:
         episodes, seeds, lengths: numbers to keep; None keeps all.
         success: True keeps the episodes that succeeded, False those that are known to have failed.
-        order: by number and seed from the lowest, by length and summed reward from the highest.
+        findings: keep those that a finding names.
+        order: by number, seed and score from the lowest, by length and summed reward from the
+            highest.
         reverse: turns the order round.
         first: keep so many, after sorting.
     """
@@ -76,6 +82,7 @@ class Selection:
     seeds: Ranges | None = None
     lengths: Ranges | None = None
     success: bool | None = None
+    findings: bool = False
     order: Order = "episode"
     reverse: bool = False
     first: int | None = None
@@ -98,6 +105,7 @@ class Selection:
             for entry in every
             if all(ranges is None or value(entry) in ranges for ranges, value in wanted)
             and (self.success is None or entry.success is self.success)
+            and (entry.kinds or not self.findings)
         ]
         kept.sort(key=self._key)
         return kept[: self.first]
