@@ -20,8 +20,9 @@ from numpy.typing import NDArray
 from lfr.curation.assembled_rows import write_rows
 from lfr.curation.assembled_videos import shared_settings, write_videos
 from lfr.curation.contents import EPISODES, INFO, STATS, TASKS, Contents, with_column
-from lfr.curation.exact_stats import dataset_stats, episode_stats, pooled_stats
+from lfr.curation.exact_stats import dataset_stats, pooled_stats, with_episode_stats
 from lfr.curation.finding import as_error, readable, unreadable
+from lfr.curation.meta_files import write_json, write_tasks
 from lfr.curation.parts import Part, Source, open_parts
 from lfr.curation.verify import verify_dataset
 from lfr.errors import DataError
@@ -81,17 +82,10 @@ def _write(sources: list[Source], out: Path) -> dict[str, int]:
         "splits": {"train": f"0:{count}"},
     }
     (out / "meta").mkdir(parents=True, exist_ok=True)
-    _write_json(out / INFO, info)
-    _write_tasks(out / TASKS, written.tasks)
+    write_json(out / INFO, info)
+    write_tasks(out / TASKS, written.tasks)
     _write_episodes(out, sources, columns, lengths)
     return {"episodes": count, "frames": frames, **how}
-
-
-def _write_tasks(path: Path, tasks: dict[str, int]) -> None:
-    import pandas as pd
-
-    index = pd.Index(list(tasks), name="task")
-    pd.DataFrame({"task_index": list(tasks.values())}, index=index).to_parquet(path)
 
 
 def _write_episodes(
@@ -114,17 +108,11 @@ def _write_episodes(
         if not np.isfinite(values).all():
             continue  # verifying it refuses it
         stats[key] = {name: value.tolist() for name, value in dataset_stats(values).items()}
-        for name, value in episode_stats(values, lengths).items():
-            table = with_column(table, f"stats/{key}/{name}", pa.array(value.tolist()))
+        table = with_episode_stats(table, key, values, lengths)
     for key in written.features:
         if key not in stats and (of_pictures := pooled_stats(table, key)):
             stats[key] = of_pictures
-    _write_json(out / STATS, {key: stats[key] for key in written.features if key in stats})
+    write_json(out / STATS, {key: stats[key] for key in written.features if key in stats})
     path = out / EPISODES / "chunk-000/file-000.parquet"
     path.parent.mkdir(parents=True)
     pq.write_table(table, path, compression="snappy")
-
-
-def _write_json(path: Path, content: Any) -> None:
-    text = json.dumps(content, indent=4, ensure_ascii=False, allow_nan=False)
-    path.write_text(text, encoding="utf-8")

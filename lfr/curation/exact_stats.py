@@ -8,6 +8,7 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
+from lfr.curation.contents import with_column
 from lfr.data.stats import QUANTILES, Stats, vector_stats
 
 NAMES = ("min", "max", "mean", "std", "count", *QUANTILES)
@@ -50,6 +51,15 @@ def episode_stats(values: NDArray, lengths: NDArray[np.int64], *, bounds: bool =
                 stats[f"{name}/high"][chosen] = part[:, min(below + 2, length - 1)]
     stats["count"] = lengths[:, None]
     return stats
+
+
+def with_episode_stats(
+    table: pa.Table, key: str, values: NDArray, lengths: NDArray[np.int64]
+) -> pa.Table:
+    """meta/episodes with the columns `stats/<key>/...`, computed from the feature's values."""
+    for name, value in episode_stats(values, lengths).items():
+        table = with_column(table, f"stats/{key}/{name}", pa.array(value.tolist()))
+    return table
 
 
 def _quantile(ordered: NDArray[np.float64], q: float) -> NDArray[np.float64]:

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from lfr.curation.repair import command as repair
 from lfr.errors import LfrError
 
 if TYPE_CHECKING:
@@ -62,10 +63,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     shown.add_argument("--html", type=Path, metavar="FILE", help="write a page with pictures")
     shown.add_argument("--markdown", type=Path, metavar="FILE", help="write a short summary")
+    repair.add_arguments(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print what is wrong; 1 when there is what `--fail-on` names, by default an error.
+    """Print what is wrong, mend it where asked; 1 when there is what `--fail-on` names.
 
     Raises:
         LfrError: there is neither a LeRobot dataset nor a log at the path, or an argument does not
@@ -79,6 +81,8 @@ def run(arguments: argparse.Namespace) -> int:
 
     # A list of good episodes is there because others are not, so it alone is no failure.
     fail_on = FailOn.parse(arguments.fail_on or ("none" if arguments.good else "error"))
+    if repair.asked(arguments):
+        return WRONG if fail_on.fails(repair.run(arguments).findings) else 0
     least = _least(arguments)
     for option in ("html", "markdown"):
         path = getattr(arguments, option)

@@ -83,7 +83,7 @@ def _file(contents: Contents, name: str, schema: pa.Schema) -> Iterator[Finding]
         dtype, shape = feature.get("dtype"), feature.get("shape")
         if dtype in NOT_NUMBERS or not isinstance(shape, list):
             continue
-        found, sizes = _type(schema.field(key).type)
+        found, sizes = element_type(schema.field(key).type)
         if found != dtype:
             yield Finding("dtype", "another type than info.json says", file=name, column=key,
                           found=found, expected=dtype)  # fmt: skip
@@ -94,8 +94,11 @@ def _file(contents: Contents, name: str, schema: pa.Schema) -> Iterator[Finding]
                           found=tuple(sizes), expected=tuple(shape))  # fmt: skip
 
 
-def _type(type: pa.DataType) -> tuple[str, list[int] | None]:
-    """Element type, and the sizes of fixed lists around it; None where they are not fixed."""
+def element_type(type: pa.DataType) -> tuple[str, list[int] | None]:
+    """Element type as info.json calls it, and the sizes of fixed lists around it.
+
+    The sizes are None where they are not fixed.
+    """
     sizes: list[int] | None = []
     if isinstance(type, pa.ExtensionType):  # `datasets` keeps arrays of more dimensions so
         type, sizes = type.storage_type, None

@@ -36,7 +36,7 @@ RENUMBERED = ("episode_index", "index", "task_index")
 
 def check_statistics(contents: Contents) -> Iterator[Finding]:
     """Every statistic that is there is that of the rows; what LeRobot writes is all there."""
-    stored = _stored(contents)
+    stored = stored_stats(contents)
     there = runs(contents)
     averages: list[Finding] = []
     for key in contents.numeric():
@@ -48,19 +48,19 @@ def check_statistics(contents: Contents) -> Iterator[Finding]:
                 yield Finding("statistics", "no statistics of a feature", "warning", STATS,
                               column=key)  # fmt: skip
         elif contents.source.version != V21:  # where they are no more than the episodes'
-            for finding in _dataset(contents, key, stored[key], values):
+            for finding in of_dataset(contents, key, stored[key], values):
                 if finding.check == AVERAGED:
                     averages.append(finding)
                 else:
                     yield finding
-        yield from _episodes(contents, key, values, there)
+        yield from of_episodes(contents, key, values, there)
     if averages:  # of one cause, so in one line
         columns = ", ".join(str(finding.column) for finding in averages)
         yield replace(averages[0], column=columns, places=len(averages))
     for dtype in PICTURES:
         for key in contents.pictures(dtype):
             if isinstance(stored.get(key), dict):
-                yield from _pictures(contents, key, stored[key])
+                yield from of_pictures(contents, key, stored[key])
             elif stored:
                 yield Finding("statistics", "no statistics of a feature", "warning", STATS,
                               column=key)  # fmt: skip
@@ -71,8 +71,14 @@ def names_in(version: str) -> tuple[str, ...]:
     return {V20: NAMES[:4], V21: NAMES[:5]}.get(version, NAMES)
 
 
-def _stored(contents: Contents) -> Mapping[str, Any]:
-    """Those of the whole dataset, which v2.1's LeRobot puts together from the episodes' own."""
+def stored_stats(contents: Contents) -> Mapping[str, Any]:
+    """What meta/stats.json holds; nothing where it is not there.
+
+    Of v2.1, whose LeRobot puts them together itself: those of its episodes.
+
+    Raises:
+        Unreadable: it is cut off, or no JSON object.
+    """
     if contents.source.version == V21:
         columns = contents.episodes.column_names
         there = [k for k in contents.features if any(c.startswith(f"stats/{k}/") for c in columns)]
@@ -90,9 +96,10 @@ def _stored(contents: Contents) -> Mapping[str, Any]:
     return stored
 
 
-def _dataset(
+def of_dataset(
     contents: Contents, key: str, stored: Mapping[str, Any], values: NDArray
 ) -> Iterator[Finding]:
+    """A feature's statistics in meta/stats.json against its (N,) or (N, D) values."""
     rows = values.reshape(len(values), -1)
     exact = dataset_stats(values)
     known = names_in(contents.source.version)
@@ -131,7 +138,8 @@ def _dataset(
                           expected=float(exact[name][at]), places=places)  # fmt: skip
 
 
-def _episodes(contents: Contents, key: str, values: NDArray, there: Runs) -> Iterator[Finding]:
+def of_episodes(contents: Contents, key: str, values: NDArray, there: Runs) -> Iterator[Finding]:
+    """A feature's statistics in meta/episodes against its values."""
     columns = [n for n in NAMES if f"stats/{key}/{n}" in contents.episodes.column_names]
     lengths = there.length
     if not columns or not np.array_equal(there.episode, np.arange(len(contents.episodes))):
@@ -213,8 +221,8 @@ def _is_average(contents: Contents, key: str, name: str, found: NDArray) -> bool
     return np.allclose(found, mean, rtol=1e-3, atol=1e-6)
 
 
-def _pictures(contents: Contents, key: str, stored: Mapping[str, Any]) -> Iterator[Finding]:
-    """Of pixels, which are not decoded: in [0, 1] and in order, and those of the episodes."""
+def of_pictures(contents: Contents, key: str, stored: Mapping[str, Any]) -> Iterator[Finding]:
+    """A camera's statistics: in [0, 1] and in order, and those of its episodes; none is decoded."""
     found: dict[str, NDArray[np.float64]] = {}
     for name in names_in(contents.source.version):
         numbers = _numbers(stored.get(name), None)
@@ -236,6 +244,10 @@ def _pictures(contents: Contents, key: str, stored: Mapping[str, Any]) -> Iterat
                       found=order.tolist())  # fmt: skip
     columns = {n: f"stats/{key}/{n}" for n in ("min", "max", "mean", "count")}
     if not set(columns.values()) <= set(contents.episodes.column_names):
+        return
+    if lacking := max(contents.episodes[column].null_count for column in columns.values()):
+        yield Finding("statistics", "episodes without statistics of their pictures", "warning",
+                      EPISODES, column=f"stats/{key}", places=lacking)  # fmt: skip
         return
     with unreadable("statistics", "gaps or mixed shapes", TypeError, ValueError, file=EPISODES,
                     column=f"stats/{key}"):  # fmt: skip
