@@ -79,8 +79,11 @@ class Draft:
         place = self.path / file
         place.parent.mkdir(parents=True, exist_ok=True)
         new = place.with_name(f".new-{place.name}")
-        yield new
-        new.replace(place)
+        try:
+            yield new
+            new.replace(place)
+        finally:
+            new.unlink(missing_ok=True)
         if file not in self.changed:
             self.changed.append(file)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from contextlib import suppress
 from pathlib import PurePosixPath
 from typing import Any
 
@@ -12,6 +13,7 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from lfr.curation.checks.counts import task_words
+from lfr.curation.checks.statistics import stored_stats
 from lfr.curation.contents import EPISODES, Contents, with_column
 from lfr.curation.finding import Unreadable
 from lfr.curation.repair.draft import Draft, Unmendable
@@ -41,6 +43,7 @@ def mend_episodes(draft: Draft) -> None:
     names, placed = _files(names, files, damaged, rows)
     said: dict[str, int] = {}
     if lost := int((rows < 0).sum()):
+        _refuse_lost_episodes(contents, int(lengths.sum()))
         said["rows of meta/episodes made anew"] = lost
         _say_what_is_lost(draft, found, rows)
     if (gone := len(found) - len(set(rows[rows >= 0].tolist()))) > 0:
@@ -55,9 +58,9 @@ def mend_episodes(draft: Draft) -> None:
         except Unmendable as reason:
             draft.not_mended(reason)
     numbers = [_numbers(name) for name in names]
-    if all(numbers):
-        for i, name in enumerate(("chunk_index", "file_index")):
-            column = f"meta/episodes/{name}"
+    for i, name in enumerate(("chunk_index", "file_index")):
+        column = f"meta/episodes/{name}"
+        if all(numbers) and (column in table.column_names or not len(found)):
             columns[column] = np.array([n[i] for n in numbers if n])[placed]
     for name, values in columns.items():
         wrong = _differ(table, name, values)
@@ -94,10 +97,25 @@ def _files(
         before = int(placed[:episode].max(initial=-1))
         after = placed[episode:][placed[episode:] >= 0]
         between = [i for i in spare if i >= before and (not len(after) or i <= after.min())]
-        placed[episode] = between[0] if between else max(before, 0 if not len(after) else before)
-        if placed[episode] < 0:
-            placed[episode] = int(after.min())
+        if between:
+            placed[episode] = between[0]
+        else:
+            placed[episode] = before if before >= 0 else after.min(initial=len(every) - 1)
     return every, np.sort(placed)
+
+
+def _refuse_lost_episodes(contents: Contents, count: int) -> None:
+    """Do not write meta/episodes without episodes whose rows are lost with theirs."""
+    said = [contents.info.get("total_frames")]
+    with suppress(Unreadable):
+        stats = [each for each in stored_stats(contents).values() if isinstance(each, dict)]
+        said += [c[0] for each in stats if isinstance(c := each.get("count"), list) and c]
+    said = [number for number in said if isinstance(number, int)]
+    if said and count not in said:
+        raise Unmendable(
+            f"meta/episodes: {count} rows are there, and {said[0]} by all that counts them: "
+            "episodes are lost, and new ones would hide it"
+        )
 
 
 def _say_what_is_lost(draft: Draft, found: pa.Table, rows: NDArray) -> None:

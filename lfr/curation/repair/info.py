@@ -82,7 +82,7 @@ def _read(path: Path) -> tuple[dict[str, Any], bool]:
         found = json.loads(text)
     except ValueError:
         return whole_entries(text), False
-    return (found, True) if isinstance(found, dict) else ({}, False)
+    return (found, True) if isinstance(found, dict) and found else ({}, False)
 
 
 def _describe(info: dict[str, Any], contents: Contents, whole: bool) -> dict[str, Any]:

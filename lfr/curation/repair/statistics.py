@@ -34,7 +34,7 @@ def mend_statistics(draft: Draft) -> None:
     contents = draft.contents()
     lengths = episode_lengths(contents)
     if not np.array_equal(contents.lengths, lengths):
-        raise Unmendable("statistics: meta/episodes counts other rows than are there")
+        raise Unmendable  # said where the episodes are mended
     try:
         stored = dict(stored_stats(contents))
     except Unreadable:
@@ -44,7 +44,10 @@ def mend_statistics(draft: Draft) -> None:
         renumbered.add("task_index")  # as LeRobot's own editing does
     keys = []
     for key in contents.numeric():
-        values = contents.column(key)
+        try:
+            values = contents.column(key)
+        except Unreadable:
+            continue  # said where the values are checked
         if not values.size or not np.isfinite(values).all():
             draft.not_mended(f"statistics of {key}: not all of it is finite")
         elif key not in renumbered and _changed_since(contents, key, values, stored):
