@@ -48,12 +48,12 @@ def write_new(draft: Draft, out: Path) -> None:
         for file in files_below(root, ""):
             place = partial / file.relative_to(root)
             place.parent.mkdir(parents=True, exist_ok=True)
+            if not file.exists():
+                continue  # a link to nothing
             if leads_out(file, root):
                 place.symlink_to(os.readlink(file))
             elif file.is_file():
                 shutil.copyfile(file, place)
-            else:
-                place.symlink_to(os.readlink(file))  # to nothing
 
 
 def replace_in_place(draft: Draft, path: Path) -> Path:
