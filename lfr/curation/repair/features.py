@@ -38,7 +38,7 @@ def features_of(contents: Contents) -> dict[str, Feature]:
 
 def columns_of(contents: Contents, names: list[str] | None = None) -> dict[str, Feature]:
     """Of columns of the rows, by default all."""
-    schema = contents.data[0].schema_arrow
+    schema = contents.schemas[0]
     names = names or schema.names
     return {name: _column(contents, name, schema.field(name).type) for name in names}
 
@@ -83,7 +83,8 @@ def _picture_shape(contents: Contents, name: str) -> list[int]:
 
     with unreadable("damaged-file", "a picture that cannot be read", OSError, TypeError, IndexError,
                     file="data", column=name):  # fmt: skip
-        group = contents.data[0].read_row_group(0, columns=[name], use_threads=False)
+        file = contents.opened(contents.data_files[0])
+        group = file.read_row_group(0, columns=[name], use_threads=False)
         picture = Image.open(BytesIO(group[name][0].as_py()["bytes"]))
         return [picture.height, picture.width, len(picture.getbands())]
 

@@ -16,6 +16,7 @@ from lfr.curation.mp4 import BrokenVideoError, read_header
 from lfr.curation.repair.cut_json import whole_entries
 from lfr.curation.repair.draft import Draft, Unmendable
 from lfr.curation.repair.features import columns_of, features_of, unnamed
+from lfr.data.source import source_of
 from lfr.data.tables import VERSION, files_below, is_older
 
 MOST = 0.9  # of the rows' steps are of one length: a rate is told by them
@@ -42,7 +43,7 @@ def mend_info(draft: Draft) -> None:
     if is_older(draft.path) or found.get("codebase_version", VERSION) != VERSION:
         return
     info = {"codebase_version": VERSION, **found}
-    contents = Contents(draft.path, info)
+    contents = Contents(draft.path, info, source_of(draft.path))
     said = [] if whole else ["rebuilt from the other files"]
     unknown: list[str] = []
     if found and not whole:
