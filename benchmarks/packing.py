@@ -130,7 +130,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=FOLDER)
     arguments = parser.parse_args()
     params = read_section(RecordParams, "record")
-    params = replace(params, episodes=arguments.episodes, camera=None)
+    params = replace(params, episodes=arguments.episodes, cameras=())
     with scratch() as folder:
         counts = record_demonstrations(ROBOT, TASK, params, folder / "logs", folder / "work")
         print(f"{counts['episodes']} episodes, {counts['frames']} frames", flush=True)

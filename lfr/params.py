@@ -11,7 +11,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Union
 
-from lfr.errors import ParameterError
+from lfr.errors import ParameterError, UnknownNameError
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -80,8 +80,8 @@ def from_mapping[Section: DataclassInstance](
     """An instance of the dataclass ``cls`` from a mapping, its types checked.
 
     Fields may be bool, int, float (an int will do), str, Path, None, Literal, unions of these,
-    tuples (from lists), dict[str, ...], and dataclasses. A ValueError from ``__post_init__``
-    becomes a ParameterError.
+    tuples (from lists), dict[str, ...], and dataclasses. What ``__post_init__`` refuses is a
+    ParameterError that says where it stands.
 
     Args:
         where: the mapping's place, for messages, such as "params.yaml: skills".
@@ -105,7 +105,7 @@ def from_mapping[Section: DataclassInstance](
     }
     try:
         return cls(**values)
-    except ValueError as error:
+    except (ValueError, ParameterError, UnknownNameError) as error:
         raise ParameterError(f"{where}: {error}") from None
 
 
@@ -146,6 +146,8 @@ def _checked(kind: Any, value: Any, where: str) -> Any:
     if kind in (bool, int, float, str) and type(value) is kind:
         return value
     expected = getattr(kind, "__name__", str(kind)) if origin is None else str(kind)
+    if origin is tuple and arguments[-1] is Ellipsis:
+        expected = "a list"
     raise ParameterError(f"{where}: found {value!r}, expected {expected}")
 
 

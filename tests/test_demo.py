@@ -18,7 +18,7 @@ from pipeline import _demo
 from pipeline._film import SECONDS, Filmed
 
 TINY = """
-record: {episodes: 3, camera: null}
+record: {episodes: 3, cameras: []}
 skills:
   vae: {hidden: 16, latent_dim: 4, steps: 20, batch: 16}
   prior: {hidden: 16, layers: 2, steps: 20, batch: 16}

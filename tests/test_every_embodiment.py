@@ -33,7 +33,7 @@ def test_it_is_recorded_packed_verified_replayed_seen_and_described(
     monkeypatch.setattr("os.cpu_count", lambda: 1)
     logs = tmp_path / "data/logs" / f"{name}-stack"
     dataset = tmp_path / "data/lerobot" / f"{name}-stack"
-    params = RecordParams(episodes=2, camera=None)
+    params = RecordParams(episodes=2, cameras=())
     made = record_demonstrations(name, "stack", params, logs, tmp_path / "work")
     assert made["episodes"] == 2
 

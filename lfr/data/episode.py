@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,6 +12,9 @@ from lfr.controllers.controller import CONTROL_FREQUENCY
 from lfr.embodiments import Embodiment
 from lfr.spaces import ROBOT_STATE
 from lfr.tasks import Task
+
+if TYPE_CHECKING:
+    from lfr.data.messages import CameraModel
 
 FPS = CONTROL_FREQUENCY  # a frame is a control step
 STATE = "observation.state"
@@ -160,6 +163,7 @@ class Episode:
             simulator_state[0] it gives the other states again. It differs from the feature
             `action`, the label, where noise was added to it. None where only a dataset is left.
         images: by camera, T JPEG files.
+        cameras: by name, what is known of how each sees; its pose is one of the log's poses.
         metadata: what the log says of itself: instruction, attempt, controller, fps, the schema of
             each feature, provenance.
     """
@@ -172,6 +176,7 @@ class Episode:
     simulator_state: np.ndarray
     executed_action: np.ndarray | None = None
     images: Mapping[str, Sequence[bytes]] = field(default_factory=dict)
+    cameras: Mapping[str, CameraModel] = field(default_factory=dict)
     metadata: Mapping[str, Any] = field(default_factory=dict)
 
     def __len__(self) -> int:

@@ -3,13 +3,13 @@
 Topics, all at simulated time t / 20 s:
 
     /joint_states            foxglove.JointStates      positions (rad), velocities (rad/s)
-    /tf                      foxglove.FrameTransforms  world -> each body and object (m)
+    /tf                      foxglove.FrameTransforms  world -> each body, object, camera (m)
     /observation, /action    lfr.Observation, lfr.Action: one double per named dimension
     /executed_action         lfr.Action                where noise was added to the action
     /reward, /success        lfr.Reward, lfr.Success   what came of the action of that frame
     /simulator_state         lfr.SimulatorState        float64, T + 1 of them: a log replays
     /camera/<name>           foxglove.CompressedImage  JPEG
-    /camera/<name>/calibration  foxglove.CameraCalibration, when it is known
+    /camera/<name>/calibration  foxglove.CameraCalibration, once, when it is known
 
 and the metadata records `episode`, `features`, `provenance` and `outcome`. Nothing in it comes
 from the clock: the same episode recorded again by the same revision is the same file, byte by byte.
@@ -46,8 +46,9 @@ class Frame:
 
     `observation` (D,) is observation.state followed by observation.environment_state,
     `simulator_state` (S,) the state before the action, `body_poses` positions (3,) in metres and
-    quaternions (4,) wxyz in the world, `images` (H, W, 3) uint8. `executed_action` (A,) is what the
-    simulator was given, where noise was added to `action`, which is then the label to learn.
+    quaternions (4,) wxyz in the world, those of cameras that move among them, `images` (H, W, 3)
+    uint8. `executed_action` (A,) is what the simulator was given, where noise was added to
+    `action`, which is then the label to learn.
     """
 
     observation: NDArray[np.float64]
@@ -193,7 +194,8 @@ class EpisodeLog:
             model = self._cameras[camera]
             calibration = messages.calibration(camera, model, now)
             self._file.log(topic + messages.CALIBRATION, calibration, now)
-            self._log_transforms({camera: (model.position, model.quaternion)}, now)
+            if model.position is not None and model.quaternion is not None:
+                self._log_transforms({camera: (model.position, model.quaternion)}, now)
         self._file.log(topic, messages.jpeg(camera, image, now), now)
 
 

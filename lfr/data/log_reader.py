@@ -28,7 +28,7 @@ from lfr.data.episode import (
     Episode,
 )
 from lfr.data.mcap_file import open_whole
-from lfr.data.messages import EXECUTED_ACTION, SIMULATOR_STATE
+from lfr.data.messages import EXECUTED_ACTION, SIMULATOR_STATE, CameraModel
 from lfr.errors import DataError
 
 PER_FRAME = (
@@ -154,6 +154,7 @@ def _episode(
         simulator_state=rows[SIMULATOR_STATE],
         executed_action=_stack(executed, EXECUTED_ACTION, path),
         images=images,
+        cameras=_cameras(values),
         metadata={**about, "features": schema, "provenance": metadata.get("provenance", {})},
     )
 
@@ -161,7 +162,7 @@ def _episode(
 def body_poses(path: Path) -> dict[str, NDArray[np.float64]]:
     """Poses in the world of every body and object of a log: (N, 7), x y z (m) and qw qx qy qz.
 
-    N is T + 1 where the final poses were logged, else T; a camera's, logged once, is (1, 7).
+    N is T + 1 where the final poses were logged, else T; a fixed camera's, logged once, is (1, 7).
 
     Raises:
         DataError: as `read_log`.
@@ -180,9 +181,23 @@ Decoder = Callable[[Message], Any]
 def _decoders(topic: str) -> Decoder | None:
     if topic == SIMULATOR_STATE:
         return _vector
+    if _calibrates(topic):
+        return _calibration
     if topic == messages.JOINT_STATES:
         return _joint_positions
     return _record if topic in (*PER_FRAME, EXECUTED_ACTION) else None
+
+
+def _calibrates(topic: str) -> bool:
+    return topic.startswith(messages.CAMERA) and topic.endswith(messages.CALIBRATION)
+
+
+def _cameras(values: Mapping[str, list[Any]]) -> dict[str, CameraModel]:
+    return {
+        topic.removeprefix(messages.CAMERA).removesuffix(messages.CALIBRATION): found[-1]
+        for topic, found in values.items()
+        if _calibrates(topic)
+    }
 
 
 @cache
@@ -200,6 +215,10 @@ def _vector(message: Any) -> NDArray[np.float64]:
 
 def _joint_positions(message: Any) -> list[float]:
     return [joint.position for joint in message.joints]
+
+
+def _calibration(message: Any) -> CameraModel:
+    return CameraModel(message.width, message.height, np.reshape(message.K, (3, 3)))
 
 
 def _poses(message: Any) -> list[tuple[str, list[float]]]:

@@ -48,14 +48,15 @@ Pose = tuple[ArrayLike, ArrayLike]  # position (3,) in m, quaternion (4,) wxyz
 
 @dataclass(frozen=True)
 class CameraModel:
-    """A fixed pinhole camera: size (pixels), intrinsic matrix (3, 3), and the pose (m, wxyz) in
-    the world of its optical frame (x right, y down, z forward)."""
+    """A pinhole camera: size (pixels), intrinsic matrix (3, 3), and the pose (m, wxyz) in the
+    world of its optical frame (x right, y down, z forward). Of a camera that moves the pose is
+    None here, and under the camera's name among the poses of every frame."""
 
     width: int
     height: int
     intrinsics: NDArray[np.float64]
-    position: NDArray[np.float64]
-    quaternion: NDArray[np.float64]
+    position: NDArray[np.float64] | None = None
+    quaternion: NDArray[np.float64] | None = None
 
 
 _Field = descriptor_pb2.FieldDescriptorProto

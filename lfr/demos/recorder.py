@@ -6,10 +6,11 @@ import math
 import os
 import shutil
 import sys
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,15 +19,12 @@ from lfr.demos.attempt import AttemptParams, attempt
 from lfr.errors import LfrError, ParameterError
 from lfr.jobs import Job, run_jobs
 from lfr.seeds import episode_seed
+from lfr.sim.camera_params import CameraParams, check_names
 
-
-@dataclass(frozen=True)
-class CameraParams:
-    """The camera whose pictures are logged."""
-
-    name: str = "agentview"  # of robosuite's scene
-    width: int = 128  # pixels
-    height: int = 128
+if TYPE_CHECKING:
+    from lfr.data.log import CameraModel, Pose
+    from lfr.sim.camera import Camera
+    from lfr.sim.simulation import Simulation
 
 
 @dataclass(frozen=True)
@@ -36,7 +34,7 @@ class RecordParams:
     episodes: int = 50  # successful demonstrations per robot and task
     most_attempts: float = 4.0  # per demonstration, before the expert is given up
     attempt: AttemptParams = field(default_factory=AttemptParams)
-    camera: CameraParams | None = field(default_factory=CameraParams)  # None: no pictures
+    cameras: tuple[CameraParams, ...] = (CameraParams(),)  # whose pictures are logged
 
     def __post_init__(self) -> None:
         if self.episodes < 1 or self.most_attempts < 1:
@@ -44,6 +42,7 @@ class RecordParams:
                 "episodes and most_attempts must be at least 1, "
                 f"found {self.episodes} and {self.most_attempts}"
             )
+        check_names(self.cameras)
 
 
 @dataclass(frozen=True)
@@ -55,7 +54,7 @@ class AttemptJob:
     seed: int
     folder: str
     attempt: AttemptParams
-    camera: CameraParams | None
+    cameras: tuple[CameraParams, ...]
 
 
 def record_demonstrations(
@@ -76,7 +75,7 @@ def record_demonstrations(
     Raises:
         LfrError: the expert succeeds too seldom.
     """
-    camera = params.camera if _can_draw(params.camera) else None
+    cameras = params.cameras if _can_draw(params.cameras) else ()
     attempts: list[dict[str, Any]] = []
     kept: list[dict[str, Any]] = []
     most = math.ceil(params.most_attempts * params.episodes)
@@ -92,7 +91,7 @@ def record_demonstrations(
         seeds = range(len(attempts), min(len(attempts) + count, most))
         specs = [
             AttemptJob(
-                robot, task, episode_seed("demonstration", seed), str(work), params.attempt, camera
+                robot, task, episode_seed("demonstration", seed), str(work), params.attempt, cameras
             )
             for seed in seeds
         ]
@@ -121,25 +120,23 @@ def record_demonstrations(
         },
         "seeds": {"first": kept[0]["seed"], "last": kept[-1]["seed"]},
         "failed_seeds": [one["seed"] for one in attempts if not one["success"]],
-        "camera": camera.name if camera else None,
+        "cameras": [camera.name for camera in cameras],
     }
 
 
 def record_attempt(job: AttemptJob) -> dict[str, Any]:
     """Run one attempt and log it; a failed one leaves no log. The same job, the same bytes."""
     from lfr.data.episode import EpisodeInfo
-    from lfr.data.log import CameraModel, EpisodeLog, Frame
+    from lfr.data.log import EpisodeLog, Frame
     from lfr.sim.simulation import simulation
 
     running, shown = simulation(job.robot, job.task), _shown(job.robot, job.task)
-    camera = _camera(job.robot, job.task, job.camera) if job.camera else None
+    cameras = _cameras(job.robot, job.task, job.cameras) if job.cameras else ()
     extra = {"expert": str(as_json(job.attempt))}
     info = EpisodeInfo.of(running.embodiment, running.task, job.seed, extra)
-    cameras = {}
-    if camera:
-        cameras[camera.name] = CameraModel(camera.width, camera.height, *camera.projection())
+    models = {camera.name: _model(camera, running) for camera in cameras}
     frames, success = 0, False
-    with EpisodeLog(log_path(Path(job.folder), job.seed), info, cameras) as log:
+    with EpisodeLog(log_path(Path(job.folder), job.seed), info, models) as log:
         for moment in attempt(running, job.attempt, job.seed):
             # A second simulation shows the moment before the action; the first is one step on.
             shown.set_state(moment.simulator_state)
@@ -153,13 +150,13 @@ def record_attempt(job: AttemptJob) -> dict[str, Any]:
                     reward=moment.reward,
                     success=moment.success,
                     simulator_state=moment.simulator_state,
-                    body_poses=shown.body_poses(),
-                    images={camera.name: camera.render(shown)} if camera else {},
+                    body_poses=_poses(shown, cameras),
+                    images={camera.name: camera.render(shown) for camera in cameras},
                 )
             )
             frames, success = frames + 1, success or moment.success
         if success:
-            log.finish(running.state(), running.body_poses())
+            log.finish(running.state(), _poses(running, cameras))
     return {"seed": job.seed, "success": success, "frames": frames}
 
 
@@ -177,23 +174,38 @@ def _shown(robot: str, task: str) -> Any:
 
 
 @cache
-def _camera(robot: str, task: str, params: CameraParams) -> Any:
-    from lfr.sim.camera import Camera
+def _cameras(robot: str, task: str, params: tuple[CameraParams, ...]) -> tuple[Camera, ...]:
+    from lfr.sim.camera import open_cameras
 
-    return Camera(robot, task, params.name, params.width, params.height)
+    return open_cameras(robot, task, params)
 
 
-def _can_draw(params: CameraParams | None) -> bool:
+def _model(camera: Camera, simulation: Simulation) -> CameraModel:
+    """What is logged of a camera once: all of it, but for the pose of one that moves."""
+    from lfr.data.log import CameraModel
+
+    intrinsics, *pose = camera.projection(simulation)
+    return CameraModel(camera.width, camera.height, intrinsics, *(() if camera.moves else pose))
+
+
+def _poses(simulation: Simulation, cameras: Iterable[Camera]) -> dict[str, Pose]:
+    """Of the bodies, and of the cameras that move with one of them."""
+    poses = {camera.name: camera.projection(simulation) for camera in cameras if camera.moves}
+    moving = {name: (seen.position, seen.quaternion) for name, seen in poses.items()}
+    return {**simulation.body_poses(), **moving}
+
+
+def _can_draw(cameras: tuple[CameraParams, ...]) -> bool:
     from lfr.sim.camera import camera_available
 
-    if params is not None and not camera_available():
+    if cameras and not camera_available():
         print(
             "lfr: no OpenGL, so no video is recorded; on Debian and Ubuntu install libegl1 and "
             "libegl-mesa0",
             file=sys.stderr,
         )
         return False
-    return params is not None
+    return bool(cameras)
 
 
 def _place(log: Path, final: Path) -> None:

@@ -15,8 +15,9 @@ from lerobot.utils.constants import ACTION, OBS_ENV_STATE, OBS_IMAGES, OBS_STATE
 from lfr.data.episode import FPS
 from lfr.errors import ParameterError, UnknownNameError
 from lfr.lerobot_plugin.configuration_lfr import features_of
-from lfr.lerobot_plugin.environment import CAMERA, SIZE, make_environment
+from lfr.lerobot_plugin.environment import make_environment
 from lfr.seeds import Use
+from lfr.sim.camera_params import CameraParams, check_names
 from lfr.sim.environment import checked_reward
 from lfr.tasks import task
 
@@ -32,7 +33,8 @@ class LfrEnv(EnvConfig):
         reward: `dense` or `sparse`.
         seeds: whose starts the seeds number (`lfr.seeds`). LeRobot's `--seed=0` then is the first
             held-out start, and no seed is a demonstration's.
-        pictures: observe `observation.images.agentview` too; needs OpenGL.
+        cameras: observe `observation.images.<camera>` of these too; needs OpenGL. As `record.cameras`
+            of params.yaml: `--env.cameras='[{name: agentview}, {name: wrist, width: 64}]'`.
     """
 
     robot: str = ""
@@ -40,7 +42,7 @@ class LfrEnv(EnvConfig):
     fps: int = FPS
     reward: str = "dense"
     seeds: str = "held-out"
-    pictures: bool = False
+    cameras: list[CameraParams] = field(default_factory=list)
     features: dict[str, PolicyFeature] = field(default_factory=dict)
     features_map: dict[str, str] = field(default_factory=dict)
 
@@ -62,9 +64,11 @@ class LfrEnv(EnvConfig):
             "environment_state": OBS_ENV_STATE,
             ACTION: ACTION,
         }
-        if self.pictures:
-            key = f"{OBS_IMAGES}.{CAMERA}"
-            self.features[key] = PolicyFeature(FeatureType.VISUAL, (SIZE, SIZE, 3))
+        check_names(self.cameras)
+        for camera in self.cameras:
+            key = f"{OBS_IMAGES}.{camera.name}"
+            shape = camera.height, camera.width, 3
+            self.features[key] = PolicyFeature(FeatureType.VISUAL, shape)
             self.features_map[key] = key
 
     @property
@@ -74,7 +78,7 @@ class LfrEnv(EnvConfig):
             "task": self.task,
             "reward": self.reward,
             "seeds": self.seeds,
-            "pictures": self.pictures,
+            "cameras": self.cameras,
         }
 
     def create_envs(

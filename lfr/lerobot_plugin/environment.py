@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Sequence
 from functools import cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import gymnasium
 import numpy as np
@@ -13,12 +14,14 @@ from lerobot.envs.utils import FreezeAfterEpisodeEnd
 from numpy.typing import NDArray
 
 from lfr.seeds import PER_USE, Use, episode_seed
+from lfr.sim.camera_params import CameraParams, check_names
 from lfr.sim.environment import Environment, Reward, environment_id
 from lfr.spaces import ROBOT_STATE
 
-CAMERA = "agentview"
+if TYPE_CHECKING:
+    from lfr.sim.camera import Camera
+
 STATE, ENVIRONMENT_STATE = slice(ROBOT_STATE.size), slice(ROBOT_STATE.size, None)
-SIZE = 128  # pixels, of `lfr.sim.environment.Environment.render` and of the recorded videos
 
 
 class LeRobotEnvironment(gymnasium.Wrapper):
@@ -26,15 +29,15 @@ class LeRobotEnvironment(gymnasium.Wrapper):
 
     `reset(seed=k)` starts the k-th episode of a use (`lfr.seeds`): with `held-out`, the k-th start
     that our evaluation judges policies on. The observation is a dictionary of `agent_pos` (11,)
-    and `environment_state` (E,), float64, and with `pictures` of `pixels` with the camera's
-    (128, 128, 3) uint8; LeRobot calls them `observation.state`, `observation.environment_state`
-    and `observation.images.agentview`. An episode ends ("terminated") with `info["is_success"]`,
-    or when the physics diverges.
+    and `environment_state` (E,), float64, and with `cameras` of `pixels` with each one's
+    (height, width, 3) uint8; LeRobot calls them `observation.state`,
+    `observation.environment_state` and `observation.images.<camera>`. An episode ends
+    ("terminated") with `info["is_success"]`, or when the physics diverges.
 
     Args:
         robot, task, reward: as for `lfr.sim.environment.Environment`.
         seeds: whose starts `reset` gives.
-        pictures: observe the camera's picture too.
+        cameras: whose pictures are observed too.
     """
 
     def __init__(
@@ -43,12 +46,15 @@ class LeRobotEnvironment(gymnasium.Wrapper):
         task: str,
         reward: Reward = "dense",
         seeds: Use = "held-out",
-        pictures: bool = False,
+        cameras: Sequence[CameraParams] = (),
     ) -> None:
+        check_names(cameras)
         environment = Environment(robot, task, reward, render_mode="rgb_array")
         super().__init__(environment)
         self._seeds: Use = seeds
-        self._pictures = pictures
+        self._observed = tuple(cameras)
+        self._filmed = self._observed or (CameraParams(),)
+        self._cameras: Sequence[Camera] = ()
         self.task = environment_id(robot, task)
         self.task_description = environment.simulation.task.instruction
         bounds: Any = environment.observation_space
@@ -56,9 +62,9 @@ class LeRobotEnvironment(gymnasium.Wrapper):
             "agent_pos": _part(bounds, STATE),
             "environment_state": _part(bounds, ENVIRONMENT_STATE),
         }
-        if pictures:
-            picture = gymnasium.spaces.Box(0, 255, (SIZE, SIZE, 3), np.uint8)
-            spaces["pixels"] = gymnasium.spaces.Dict({CAMERA: picture})
+        if self._observed:
+            pictures = {one.name: _picture(one) for one in self._observed}
+            spaces["pixels"] = gymnasium.spaces.Dict(pictures)
         self.observation_space = gymnasium.spaces.Dict(spaces)
 
     def reset(
@@ -78,19 +84,38 @@ class LeRobotEnvironment(gymnasium.Wrapper):
         return self._named(observation), reward, diverged or info["is_success"], truncated, info
 
     def render(self) -> Any:
-        """The camera's picture, (128, 128, 3) uint8; a black one where OpenGL is missing.
+        """What the first camera sees, (height, width, 3) uint8; black where OpenGL is missing.
 
         `lerobot-eval` films ten episodes and cannot be told not to.
         """
-        return self.env.render() if _seeing() else np.zeros((SIZE, SIZE, 3), np.uint8)
+        if not _seeing():
+            return np.zeros(_picture(self._filmed[0]).shape, np.uint8)
+        return self._seen()[0].render(self.unwrapped.simulation)
+
+    def close(self) -> None:
+        for camera in self._cameras:
+            camera.close()
+        self._cameras = ()
+        super().close()
+
+    def _seen(self) -> Sequence[Camera]:
+        if not self._cameras:
+            from lfr.sim.camera import open_cameras
+
+            there = self.unwrapped.simulation
+            self._cameras = open_cameras(there.embodiment.name, there.task.name, self._filmed)
+        return self._cameras
 
     def _named(self, observation: NDArray[np.float64]) -> dict[str, Any]:
         named: dict[str, Any] = {
             "agent_pos": observation[STATE],
             "environment_state": observation[ENVIRONMENT_STATE],
         }
-        if self._pictures:
-            named["pixels"] = {CAMERA: np.ascontiguousarray(self.env.render())}
+        if self._observed:
+            there = self.unwrapped.simulation
+            named["pixels"] = {
+                camera.name: np.ascontiguousarray(camera.render(there)) for camera in self._seen()
+            }
         return named
 
 
@@ -110,6 +135,10 @@ def _seeing() -> bool:
     if not camera_available():
         logging.warning("no OpenGL on this machine: the videos of episodes are black")
     return camera_available()
+
+
+def _picture(camera: CameraParams) -> gymnasium.spaces.Box:
+    return gymnasium.spaces.Box(0, 255, (camera.height, camera.width, 3), np.uint8)
 
 
 def _part(space: gymnasium.spaces.Box, part: slice) -> gymnasium.spaces.Box:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import chain
 
 from lfr.robots.repair import Coupling, Repair
-from lfr.robots.robot import Gripper
+from lfr.robots.robot import Gripper, Mount
 
 _G = "gripper0_right_"
 
@@ -34,6 +34,7 @@ RETHINK_GRIPPER = Gripper(
     left_pads=_named("l_fingerpad_g0"),
     right_pads=_named("r_fingerpad_g0"),
     close_signs=(1.0, -1.0),
+    wrist_camera=Mount((0.1, 0.0, 0.0), 15.0),  # robosuite's sees its housing alone
 )
 
 _ROBOTIQ_JOINTS = _named(
@@ -156,6 +157,7 @@ JACO_HAND = Gripper(
     right_pads=_named("thumb_pad_collision"),
     close_signs=(-1.0, -1.0, -1.0),
     stock_speed=0.01,  # 200 control steps from open to closed
+    wrist_camera=Mount((0.1, 0.0, 0.05), 20.0),  # robosuite's sees the palm before what it holds
     repair=Repair(
         why=(
             "The hand takes 200 control steps to close; it takes ten.",

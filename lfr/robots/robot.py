@@ -2,9 +2,31 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 from lfr.robots.repair import Repair
+
+
+@dataclass(frozen=True)
+class Mount:
+    """Where a camera stands on the hand, beside its axis and looking along it.
+
+    Attributes:
+        position: (3,) m, in the frame of the body `robot0_right_hand`, whose z axis is the
+            approach; the picture's upper edge is towards its x axis.
+        tilt: degrees by which it looks down from there, towards the axis.
+    """
+
+    position: tuple[float, float, float]
+    tilt: float
+
+    @property
+    def quaternion(self) -> tuple[float, float, float, float]:
+        """(4,) wxyz, of MuJoCo's camera frame: x right, y up, -z ahead."""
+        half = 0.5 * math.radians(self.tilt)
+        s, c = math.sqrt(0.5) * math.sin(half), math.sqrt(0.5) * math.cos(half)
+        return s, c, c, s
 
 
 @dataclass(frozen=True)
@@ -28,6 +50,7 @@ class Gripper:
         stock_speed: robosuite's own, where it is another.
         stock_knows_pads: whether robosuite's grasp check asks for pads that its model has.
         repair: of robosuite's model.
+        wrist_camera: where robosuite's camera of the hand sees too little of the fingers.
     """
 
     name: str
@@ -43,6 +66,7 @@ class Gripper:
     stock_knows_pads: bool = True
     pad_axis: int = 1
     repair: Repair = field(default_factory=Repair)
+    wrist_camera: Mount | None = None
     grip_site: str = "gripper0_right_grip_site"
 
     def __post_init__(self) -> None:

@@ -1,10 +1,14 @@
 """Pictures of a simulation, drawn off screen with robosuite's full visual model."""
 
+from __future__ import annotations
+
 import atexit
+import copy
 import functools
 import importlib
 import os
 import sys
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import mujoco
@@ -12,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import lfr.tasks
-from lfr.errors import MissingLibraryError, UnknownNameError
+from lfr.errors import MissingLibraryError
+from lfr.sim.camera_params import STOCK_NAMES, CameraParams, check_names
 from lfr.sim.simulation import Simulation
 from lfr.sim.visual import GROUP, OUT_OF_SIGHT, coarsen_robot, in_sight, visual_model
 
@@ -24,7 +29,7 @@ _CELL = 0.75
 
 
 class Projection(NamedTuple):
-    """A pinhole camera.
+    """A pinhole camera, as computer vision has it.
 
     Attributes:
         intrinsics: (3, 3), pixels.
@@ -38,15 +43,19 @@ class Projection(NamedTuple):
 
 
 class Camera:
-    """A fixed camera on one embodiment's scene of a task.
+    """A camera on one embodiment's scene of a task.
 
     Args:
         embodiment, task: as for `Simulation`.
-        name: a camera of robosuite's scene, such as `agentview`, `frontview` or `sideview`.
-        width, height: of the picture, pixels.
+        name, width, height: as for `CameraParams`.
+        beside: a camera of this thread, whose OpenGL context draws for this one too.
+
+    Attributes:
+        moves: whether it is carried by the arm, and its pose another one at each moment.
 
     Raises:
         UnknownNameError: unknown embodiment, task or camera.
+        ParameterError: a size that there is not.
         MissingLibraryError: no OpenGL; names the Debian packages that bring it.
     """
 
@@ -57,14 +66,15 @@ class Camera:
         name: str = "agentview",
         width: int = 128,
         height: int = 128,
+        beside: Camera | None = None,
     ) -> None:
+        wanted = CameraParams(name, width, height)
         self.name, self.width, self.height = name, width, height
-        self._model = model = visual_model(embodiment, task)
+        # its own copy: what is out of sight, or too fine to be seen, differs between cameras
+        self._model = model = copy.copy(visual_model(embodiment, task))
         self._data = mujoco.MjData(model)
-        names = tuple(model.camera(i).name for i in range(model.ncam))
-        if name not in names:
-            raise UnknownNameError("camera", name, names)
-        camera = names.index(name)
+        camera = model.camera(STOCK_NAMES[wanted.name]).id
+        self.moves = bool(model.body_weldid[model.cam_bodyid[camera]])
         if model.cam_bodyid[camera] == 0:  # one on the arm looks from nearby
             pixel = 2.0 * np.tan(0.5 * np.radians(model.cam_fovy[camera])) / height
             coarsen_robot(model, _CELL * pixel)
@@ -80,11 +90,10 @@ class Camera:
         self._drawing = mujoco.MjvScene(model, maxgeom=1000)
         for flag in _SKIPPED:
             self._drawing.flags[getattr(mujoco.mjtRndFlag, flag)] = 0
-        self._gl: Any = _opengl_context(width, height)
+        self._gl: Any = (beside and beside._gl) or _opengl_context(width, height)
         self._gl.make_current()
         self._context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
         mujoco.mjr_resizeOffscreen(width, height, self._context)
-        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
         # Registered after EGL's own exit function, so it runs before EGL is gone.
         atexit.register(self.close)
 
@@ -103,15 +112,15 @@ class Camera:
         self._gl.make_current()
         picture = np.empty((self.height, self.width, 3), dtype=np.uint8)
         frame = mujoco.MjrRect(0, 0, self.width, self.height)
+        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
         mujoco.mjr_render(frame, self._drawing, self._context)
         mujoco.mjr_readPixels(picture, None, frame, self._context)
         return picture[::-1]
 
-    def projection(self) -> Projection:
-        """How points in the world fall on its pictures, as computer vision has it."""
+    def projection(self, simulation: Simulation) -> Projection:
+        """How points in the world fall on its picture of the scene as it is now."""
+        self._pose(simulation)
         model, data, camera = self._model, self._data, self._view.fixedcamid
-        mujoco.mj_kinematics(model, data)
-        mujoco.mj_camlight(model, data)
         focal = 0.5 * self.height / np.tan(0.5 * np.radians(model.cam_fovy[camera]))
         centre = [0.5 * self.width, 0.5 * self.height]
         intrinsics = np.array([[focal, 0.0, centre[0]], [0.0, focal, centre[1]], [0.0, 0.0, 1.0]])
@@ -122,16 +131,20 @@ class Camera:
         return Projection(intrinsics, data.cam_xpos[camera].copy(), quaternion)
 
     def close(self) -> None:
-        """Give back the OpenGL context; it lives until the process ends otherwise."""
+        """Give back what it draws with, which lives until the process ends otherwise."""
         atexit.unregister(self.close)
         if self._gl is not None:
             self._gl.make_current()
             self._context.free()
-            self._gl.free()
-            self._gl = None
+            self._gl = None  # MuJoCo frees a context that no camera has any more
+
+    def _pose(self, simulation: Simulation) -> None:
+        self._data.qpos[:] = simulation.position()
+        mujoco.mj_kinematics(self._model, self._data)
+        mujoco.mj_camlight(self._model, self._data)
 
     def _follow(self, simulation: Simulation) -> None:
-        self._data.qpos[:] = simulation.position()
+        self._pose(simulation)
         size = simulation.cube_size()
         if size.any():
             body = self._model.body(next(iter(self._task.objects.values())))
@@ -139,11 +152,25 @@ class Camera:
             last = first + int(body.geomnum[0])
             self._model.geom_size[first:last] = size
             self._model.geom_rbound[first:last] = np.linalg.norm(size)
-        mujoco.mj_kinematics(self._model, self._data)
-        mujoco.mj_camlight(self._model, self._data)
         aspect = self.width / self.height
         seen = in_sight(self._model, self._data, self._view.fixedcamid, aspect, self._visual)
         self._model.geom_group[self._visual] = np.where(seen[self._visual], GROUP, OUT_OF_SIGHT)
+
+
+def open_cameras(
+    embodiment: str, task: str, wanted: Sequence[CameraParams]
+) -> tuple[Camera, ...]:
+    """Several cameras on one scene, in this order, which share an OpenGL context.
+
+    Raises:
+        ParameterError: two of the same name; otherwise as `Camera`.
+    """
+    check_names(wanted)
+    cameras: list[Camera] = []
+    for one in wanted:
+        first = cameras[0] if cameras else None
+        cameras.append(Camera(embodiment, task, one.name, one.width, one.height, first))
+    return tuple(cameras)
 
 
 @functools.cache

@@ -3,6 +3,7 @@
     import gymnasium
     import lfr.sim.environment
     environment = gymnasium.make("lfr/Lift-Panda-v0")
+    seen = gymnasium.make("lfr/Lift-Panda-v0", render_mode="rgb_array", camera="wrist")
 
 An action is a `Box(-1, 1, (A,))`, the controller's (`lfr.embodiments.Embodiment.action`), an
 observation the float64 vector of `lfr.tasks.Task.observation`, the reward robosuite's dense one in
@@ -22,6 +23,7 @@ from numpy.typing import NDArray
 from lfr.controllers.controller import CONTROL_FREQUENCY
 from lfr.embodiments import DEFAULT_CONTROLLER, Embodiment, embodiment, embodiments
 from lfr.errors import UnknownNameError
+from lfr.sim.camera_params import CameraParams
 from lfr.sim.steps import Steps
 from lfr.spaces import Space
 from lfr.tasks import TASKS
@@ -52,7 +54,8 @@ class Environment(gymnasium.Env[NDArray[np.float64], NDArray[np.float32]]):
     Args:
         embodiment, task: as for `lfr.sim.simulation.Simulation`.
         reward: `dense` or `sparse`.
-        render_mode: `rgb_array` draws the agent's view, or None.
+        render_mode: `rgb_array` draws what a camera sees, or None.
+        camera, width, height: of the camera, as for `lfr.sim.camera_params.CameraParams`.
     """
 
     metadata: ClassVar[dict[str, Any]] = {
@@ -61,7 +64,14 @@ class Environment(gymnasium.Env[NDArray[np.float64], NDArray[np.float32]]):
     }
 
     def __init__(
-        self, embodiment: str, task: str, reward: Reward = "dense", render_mode: str | None = None
+        self,
+        embodiment: str,
+        task: str,
+        reward: Reward = "dense",
+        render_mode: str | None = None,
+        camera: str = "agentview",
+        width: int = 128,
+        height: int = 128,
     ) -> None:
         # Registration must stay cheap; the engine imports MuJoCo and numba.
         from lfr.sim.simulation import Simulation
@@ -71,6 +81,7 @@ class Environment(gymnasium.Env[NDArray[np.float64], NDArray[np.float32]]):
         self._reward: Reward = checked_reward(reward)
         self.action_space: Any = action_space(self.simulation.embodiment)
         self.observation_space: Any = observation_space(self.simulation.layout)
+        self._seen_by = CameraParams(camera, width, height)
         self._camera: Any = None
 
     def reset(
@@ -88,13 +99,16 @@ class Environment(gymnasium.Env[NDArray[np.float64], NDArray[np.float32]]):
         return steps.observations[-1], earned(steps, self._reward), steps.diverged, False, info
 
     def render(self) -> Any:
-        """The agent's view (128, 128, 3) uint8, or None without a render mode."""
+        """What the camera sees (height, width, 3) uint8, or None without a render mode."""
         if self.render_mode is None:
             return None
         if self._camera is None:
             from lfr.sim.camera import Camera
 
-            self._camera = Camera(self.simulation.embodiment.name, self.simulation.task.name)
+            body, task, seen_by = self.simulation.embodiment, self.simulation.task, self._seen_by
+            self._camera = Camera(
+                body.name, task.name, seen_by.name, seen_by.width, seen_by.height
+            )
         return self._camera.render(self.simulation)
 
     def close(self) -> None:

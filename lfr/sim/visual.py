@@ -4,6 +4,7 @@ A software renderer spends its time on triangles, and an arm has far more of the
 picture has pixels, most of them out of sight or smaller than a pixel.
 """
 
+import functools
 from typing import Any
 
 import mujoco
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 
 import lfr.embodiments
 import lfr.tasks
+from lfr.sim.camera_params import STOCK_NAMES
 from lfr.sim.stock import make_stock_environment, repaired_xml
 
 GROUP, OUT_OF_SIGHT = 1, 5
@@ -20,8 +22,11 @@ GROUP, OUT_OF_SIGHT = 1, 5
 _ROBOT = ("robot0_", "gripper0_", "fixed_mount0_")
 
 
+@functools.lru_cache(maxsize=1)  # the cameras of a scene are made one after the other
 def visual_model(embodiment: str, task: str) -> Any:
     """robosuite's model with its visual geoms, without the objects that it parks elsewhere.
+
+    Cameras share it: copy it before changing it.
 
     Raises:
         UnknownNameError: unknown embodiment or task.
@@ -31,6 +36,10 @@ def visual_model(embodiment: str, task: str) -> Any:
     spec = mujoco.MjSpec.from_string(repaired_xml(environment, robot))
     for name in lfr.tasks.task(task).unused_objects:
         spec.delete(spec.body(name))
+    if robot.gripper.wrist_camera is not None:
+        camera = spec.camera(STOCK_NAMES["wrist"])
+        camera.pos = robot.gripper.wrist_camera.position
+        camera.quat = robot.gripper.wrist_camera.quaternion
     # Multisampling takes half of a software renderer's time; at this size it is hardly seen.
     spec.visual.quality.offsamples = 0
     model = spec.compile()

@@ -19,6 +19,7 @@ BACKGROUND = (22, 25, 31)
 FINDINGS, FINDINGS_LIST = "/findings", "/findings/list"
 UNIT = (-1.05, 1.05)
 """What is shown of an action in [-1, 1]."""
+ACROSS = 2  # pictures of cameras in a row
 
 
 @dataclass(frozen=True)
@@ -132,7 +133,7 @@ def arm_view(name: str, eye: Eye | None) -> rrb.Spatial3DView:
 
     return rrb.Spatial3DView(
         origin="/",
-        contents=["/world/**", "/path/**"],
+        contents=["/world/**", "/path/**", "/frustum/**"],
         name=name,
         background=rrb.archetypes.Background(kind="SolidColor", color=BACKGROUND),
         line_grid=rrb.LineGrid3D(
@@ -172,7 +173,7 @@ def _episode_tab(layout: EpisodeLayout) -> rrb.Container:
     """What moves, in 3-D or as the cameras see it, at the left; at the right what goes with it."""
     import rerun.blueprint as rrb
 
-    cameras: list[rrb.View | rrb.Container] = [
+    cameras: list[rrb.View] = [
         rrb.Spatial2DView(origin=f"/camera/{camera}", name=camera) for camera in layout.cameras
     ]
     series: list[tuple[rrb.View | rrb.Container, float]] = [(view, 1) for view in _actions(layout)]
@@ -180,8 +181,9 @@ def _episode_tab(layout: EpisodeLayout) -> rrb.Container:
         series.insert(0, (_state_view(), 1.35))
     if "/reward" not in layout.absent:
         series.append((series_view("Reward", "/reward", legend=False), 1))
-    if layout.eye is not None:
-        series = [*((camera, 2.2) for camera in cameras), *series]
+    if layout.eye is not None and cameras:
+        rows = -(-len(cameras) // ACROSS)
+        series.insert(0, (pictures_view(cameras), 2.2 * rows))
     right = rrb.Vertical(*(view for view, _ in series), row_shares=[share for _, share in series])
     if layout.eye is not None:
         left: rrb.View | rrb.Container = arm_view(layout.title, layout.eye)
@@ -209,6 +211,15 @@ def _findings_view() -> rrb.Container:
         ),
     )
     return rrb.Tabs(log, rrb.TextDocumentView(origin=FINDINGS_LIST, name="All that is said"))
+
+
+def pictures_view(cameras: Sequence[rrb.View]) -> rrb.View | rrb.Container:
+    """One camera's pictures, or those of several in rows of two."""
+    import rerun.blueprint as rrb
+
+    if len(cameras) == 1:
+        return cameras[0]
+    return rrb.Grid(*cameras, grid_columns=ACROSS)
 
 
 def _actions(layout: EpisodeLayout) -> list[rrb.View]:

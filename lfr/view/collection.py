@@ -166,8 +166,12 @@ def arrange(blueprint: rrb.Blueprint, *, choice: bool, at: float | None) -> None
 
 
 def _of_dataset(path: Path, number: int) -> tuple[Episode, Poses]:
+    from lfr.data.log_reader import read_log
+
     episode = read_episode(path, number)
-    return episode, poses_of(episode, find_log(path, episode))
+    if log := find_log(path, episode):
+        episode = replace(episode, cameras=read_log(log).cameras)
+    return episode, poses_of(episode, log)
 
 
 def _of_logs(logs: Sequence[Path], path: Path, number: int) -> tuple[Episode, Poses]:

@@ -6,6 +6,7 @@ Entities, on the timelines `time` (s) and `frame`:
     /path/gripper_open, /path/gripper_closing  LineStrips3D, where the end effector goes;
     /path/end_effector      where the action is no known embodiment's
     /camera/<name>          EncodedImage       JPEG
+    /frustum/<name>         Transform3D, Pinhole, of what each camera of a log sees
     /action/translation, /action/rotation or /action/dq; /action/gripper
     /action/<group>         Scalars            of another layout
     /gripper, /reward       Scalars, every series named
@@ -41,6 +42,10 @@ from lfr.view.series import fps_of, frame_times
 
 if TYPE_CHECKING:
     import rerun as rr
+
+FRUSTUM = "/frustum"
+DEPTH = 0.08
+"""m, how far a frustum is drawn."""
 
 UNSAID = "unsaid"
 """Key of an episode's metadata: which of `seed` and `success` the data does not say."""
@@ -142,6 +147,7 @@ def log_episode(
     log_bodies(recording, episode, poses)
     log_path(recording, episode, poses)
     log_cameras(recording, episode)
+    log_frustums(recording, episode, poses)
     log_features(recording, episode)
     log_about(recording, episode, title)
 
@@ -200,6 +206,22 @@ def log_cameras(recording: rr.RecordingStream, episode: Episode) -> None:
         times = frame_times(np.arange(len(files)), fps_of(episode))
         columns = rr.EncodedImage.columns(blob=list(files))
         recording.send_columns(path, indexes=times, columns=columns)
+
+
+def log_frustums(recording: rr.RecordingStream, episode: Episode, poses: Poses) -> None:
+    """Log where each camera is, at every frame if it moves, and what it sees from there."""
+    import rerun as rr
+
+    there = {name: model for name, model in episode.cameras.items() if name in poses}
+    log_poses(recording, {name: poses[name] for name in there}, FRUSTUM, fps_of(episode))
+    for name, model in there.items():
+        pinhole = rr.Pinhole(
+            image_from_camera=model.intrinsics,
+            resolution=[model.width, model.height],
+            camera_xyz=rr.ViewCoordinates.RDF,
+            image_plane_distance=DEPTH,
+        )
+        recording.log(body_path(name, FRUSTUM), pinhole, static=True)
 
 
 def log_about(recording: rr.RecordingStream, episode: Episode, title: str) -> None:

@@ -20,7 +20,7 @@ import numpy as np
 from lfr.data import messages
 from lfr.embodiments import Embodiment
 from lfr.view.blueprint import BACKGROUND
-from lfr.view.log_layout import AXES, CAMERA, EYE, WORLD, Plot, plots, wanted
+from lfr.view.log_layout import AXES, CAMERAS, EYE, FRAMES, WORLD, Plot, plots, wanted
 from lfr.view.series import GREY, VIOLET, Color
 
 FILE = Path(__file__).with_name("foxglove.json")
@@ -35,20 +35,19 @@ Place = str | dict[str, Any]
 """A panel, by its name, or two places and how they share theirs."""
 
 
-def foxglove_layout(body: Embodiment) -> dict[str, Any]:
-    """Frames, camera and observation at the left, the series at the right.
+def foxglove_layout(body: Embodiment, cameras: Sequence[str] = CAMERAS) -> dict[str, Any]:
+    """Frames, cameras and observation at the left, the series at the right.
 
     The name of a panel is its type, `!`, and what tells it from others of that type.
     """
-    picture = fl.ImageConfig(image_mode=fl.ImageModeConfig(image_topic=CAMERA))
     numbers = fl.RawMessagesConfig(topic_path=messages.OBSERVATION, expansion="all")
     curves = {
         f"Plot!{number}": _options(plot.name, _plot(plot))
         for number, plot in enumerate(plots(body), start=1)
     }
     configurations = {
-        "3D!bodies": _bodies(),
-        "Image!camera": _options(CAMERA.removeprefix(messages.CAMERA), picture),
+        "3D!bodies": _bodies(cameras),
+        **{f"Image!{camera}": _picture(camera) for camera in cameras},
         "RawMessages!observation": _options("Observation", numbers),
     }
     frames, *others = configurations
@@ -63,10 +62,15 @@ def foxglove_layout(body: Embodiment) -> dict[str, Any]:
     }
 
 
-def _bodies() -> dict[str, Any]:
+def _picture(camera: str) -> dict[str, Any]:
+    mode = fl.ImageModeConfig(image_topic=messages.CAMERA + camera)
+    return _options(camera, fl.ImageConfig(image_mode=mode))
+
+
+def _bodies(cameras: Sequence[str]) -> dict[str, Any]:
     settings = fl.BaseRendererSceneSettings(
         background_color=_hex(BACKGROUND),
-        # Preloaded, because the camera's pose is logged once, at the start.
+        # Preloaded, because a fixed camera's pose is logged once, at the start.
         transforms=fl.BaseRendererTransforms(
             show_label=True, label_size=0.03, enable_preloading=True
         ),
@@ -85,10 +89,10 @@ def _bodies() -> dict[str, Any]:
         scene=settings,
         # Every pose is one in the world: shown, it would have a line to each of them.
         transforms={f"frame:{WORLD}": fl.BaseRendererLayerSettingsTransform(visible=False)},
-        topics={CAMERA + messages.CALIBRATION: frustum},
+        topics={messages.CAMERA + camera + messages.CALIBRATION: frustum for camera in cameras},
         layers={"table": grid},
     )
-    options = _options("Bodies and camera", config)
+    options = _options(FRAMES, config)
     # Exported layouts call it so; foxglove-sdk knows `axisSize` alone.
     options["scene"]["transforms"]["axisScale"] = round(AXES / AXIS, 3)
     return options
@@ -181,5 +185,5 @@ def _hex(color: Color) -> str:
 
 
 if __name__ == "__main__":
-    body, out = wanted(FILE)
-    out.write_text(json.dumps(foxglove_layout(body), indent=2) + "\n", encoding="utf-8")
+    body, out, cameras = wanted(FILE)
+    out.write_text(json.dumps(foxglove_layout(body, cameras), indent=2) + "\n", encoding="utf-8")

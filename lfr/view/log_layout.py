@@ -3,8 +3,9 @@
 rerun reads a log's poses and pictures by itself; our own messages and the joints arrive as
 structures, of which a view plots a field where its layout names it. The fields of an action are its
 controller's: the committed file is for any arm under OSC_POSE, and
-`python -m lfr.view.log_layout ur5e-joint_position ur5e.rbl` writes that of another embodiment.
-Without arguments it writes the committed file anew; `rerun episode-000000.mcap log.rbl` opens a log
+`python -m lfr.view.log_layout ur5e-joint_position ur5e.rbl` writes that of another embodiment, with
+`agentview wrist` after it that of logs with these cameras. Without arguments it writes the
+committed file anew; `rerun episode-000000.mcap log.rbl` opens a log
 with it.
 """
 
@@ -22,7 +23,7 @@ from lfr.data import messages
 from lfr.embodiments import Embodiment, embodiment
 from lfr.view import series
 from lfr.view.action import GRIPPER, motion_title
-from lfr.view.blueprint import BACKGROUND, UNIT
+from lfr.view.blueprint import BACKGROUND, UNIT, pictures_view
 from lfr.view.eye import Eye
 from lfr.view.series import Color
 
@@ -33,7 +34,9 @@ FILE = Path(__file__).with_name("log.rbl")
 APPLICATION = "lfr-log"
 WORLD = "world"
 """The frame of a log's poses that all others are placed in."""
-CAMERA = "/camera/agentview"
+CAMERAS = ("agentview",)
+"""Whose pictures the committed layouts show."""
+FRAMES = "Bodies and camera"
 AXES = 0.08
 """m, length of a frame's axes."""
 EYE = Eye(position=np.array([1.6, -1.2, 1.7]), target=np.array([-0.1, 0.0, 0.95]))
@@ -98,21 +101,23 @@ def _motions(body: Embodiment) -> list[Plot]:
     return found
 
 
-def log_blueprint(body: Embodiment) -> rrb.Blueprint:
-    """Frames and camera at the left, the series at the right."""
+def log_blueprint(body: Embodiment, cameras: Sequence[str] = CAMERAS) -> rrb.Blueprint:
+    """Frames and cameras at the left, the series at the right."""
     import rerun.blueprint as rrb
 
     frames = rrb.Spatial3DView(
         origin="/",
         contents=["/tf/**", "/camera/**"],
-        name="Bodies and camera",
+        name=FRAMES,
         background=rrb.archetypes.Background(kind="SolidColor", color=BACKGROUND),
         spatial_information=rrb.SpatialInformation(target_frame=WORLD, show_axes=True),
         eye_controls=rrb.EyeControls3D(position=EYE.position, look_target=EYE.target),
         overrides={"/tf": _axes()},
     )
-    picture = rrb.Spatial2DView(origin=CAMERA, name="agentview")
-    left = rrb.Vertical(frames, picture, row_shares=[2, 1])
+    pictures = [
+        rrb.Spatial2DView(origin=messages.CAMERA + camera, name=camera) for camera in cameras
+    ]
+    left = rrb.Vertical(frames, pictures_view(pictures), row_shares=[2, 1]) if cameras else frames
     right = rrb.Grid(*map(_view, plots(body)), grid_columns=2)
     return rrb.Blueprint(
         rrb.Horizontal(left, right, column_shares=[1, 1.4]),
@@ -164,15 +169,19 @@ def _axes() -> Any:
     return rr.TransformAxes3D(axis_length=AXES).visualizer()
 
 
-def wanted(file: Path) -> tuple[Embodiment, Path]:
-    """Whose layout the command line asks for and where to: by default the committed ``file``."""
+def wanted(file: Path) -> tuple[Embodiment, Path, tuple[str, ...]]:
+    """Whose layout the command line asks for, where to, and with which cameras.
+
+    By default it is the committed ``file``.
+    """
     parser = argparse.ArgumentParser()
     parser.add_argument("embodiment", nargs="?", default=DEFAULT)
     parser.add_argument("out", nargs="?", type=Path, default=file)
+    parser.add_argument("cameras", nargs="*", default=CAMERAS, help="as record.cameras names them")
     options = parser.parse_args()
-    return embodiment(options.embodiment), options.out
+    return embodiment(options.embodiment), options.out, tuple(options.cameras)
 
 
 if __name__ == "__main__":
-    body, out = wanted(FILE)
-    log_blueprint(body).save(APPLICATION, str(out))
+    body, out, cameras = wanted(FILE)
+    log_blueprint(body, cameras).save(APPLICATION, str(out))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from lfr.view.blueprint import BACKGROUND, UNIT, gripper_view, series_view
+from lfr.view.blueprint import BACKGROUND, UNIT, gripper_view, pictures_view, series_view
 from lfr.view.eye import Eye
 
 if TYPE_CHECKING:
@@ -47,11 +47,7 @@ def beside_blueprint(left: Side, right: Side) -> rrb.Blueprint:
         name="Side by side",
     )
     actions = rrb.Horizontal(*map(_actions, sides), name="Actions and gripper")
-    cameras = [
-        rrb.Spatial2DView(origin=f"{side.root}/camera/{camera}", name=f"{side.title}: {camera}")
-        for side in sides
-        for camera in side.cameras
-    ]
+    cameras = [pictures_view(_cameras(side)) for side in sides if side.cameras]
     tabs = [overview, actions]
     if cameras:
         tabs.append(rrb.Horizontal(*cameras, name="Cameras"))
@@ -70,13 +66,22 @@ def _arm(side: Side) -> rrb.View:
 
     return rrb.Spatial3DView(
         origin=f"{side.root}/world",
-        contents=[f"{side.root}/world/**", f"{side.root}/path/**"],
+        contents=[f"{side.root}/{part}/**" for part in ("world", "path", "frustum")],
         name=side.title,
         background=rrb.archetypes.Background(kind="SolidColor", color=BACKGROUND),
         eye_controls=rrb.EyeControls3D(
             kind="Orbital", position=side.eye.position, look_target=side.eye.target
         ),
     )
+
+
+def _cameras(side: Side) -> list[rrb.View]:
+    import rerun.blueprint as rrb
+
+    return [
+        rrb.Spatial2DView(origin=f"{side.root}/camera/{camera}", name=f"{side.title}: {camera}")
+        for camera in side.cameras
+    ]
 
 
 def _states(side: Side) -> rrb.View:

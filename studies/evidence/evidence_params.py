@@ -130,7 +130,7 @@ class Asked(_File):
     def record_params(self, setting: Setting) -> RecordParams:
         """Without pictures, which nothing here looks at."""
         return replace(
-            self.record, camera=None, episodes=setting.demonstrations or self.record.episodes
+            self.record, cameras=(), episodes=setting.demonstrations or self.record.episodes
         )
 
     def mapping_params(self, option: str) -> MappingParams:

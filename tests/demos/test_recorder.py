@@ -17,7 +17,7 @@ from lfr.errors import LfrError
 from lfr.sim.camera import camera_available
 from lfr.sim.simulation import Simulation
 
-PARAMS = RecordParams(episodes=2, camera=None)
+PARAMS = RecordParams(episodes=2, cameras=())
 
 
 @pytest.fixture(autouse=True)
@@ -148,7 +148,7 @@ def test_an_expert_that_never_succeeds_is_given_up(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     failing(monkeypatch, set(range(100)))
-    params = RecordParams(episodes=1, most_attempts=3.0, camera=None)
+    params = RecordParams(episodes=1, most_attempts=3.0, cameras=())
     with pytest.raises(LfrError, match="succeeded in 0 of 3 attempts at lift on panda"):
         record_demonstrations("panda", "lift", params, tmp_path / "logs", tmp_path)
     assert not (tmp_path / "logs").exists()
