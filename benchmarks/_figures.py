@@ -67,7 +67,9 @@ def compare(
     return against(name, unit, goal, pairs)
 
 
-def against(name: str, unit: str, goal: float, pairs: Sequence[tuple[float, float]]) -> Figure:
+def against(
+    name: str, unit: str, goal: float | None, pairs: Sequence[tuple[float, float]]
+) -> Figure:
     """The figure of rates (ours, theirs) that were measured pair by pair."""
     ratios = sorted(a / b for a, b in pairs)
     return Figure(

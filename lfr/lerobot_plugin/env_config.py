@@ -33,8 +33,9 @@ class LfrEnv(EnvConfig):
         reward: `dense` or `sparse`.
         seeds: whose starts the seeds number (`lfr.seeds`). LeRobot's `--seed=0` then is the first
             held-out start, and no seed is a demonstration's.
-        cameras: observe `observation.images.<camera>` of these too; needs OpenGL. As `record.cameras`
-            of params.yaml: `--env.cameras='[{name: agentview}, {name: wrist, width: 64}]'`.
+        cameras: observe `observation.images.<camera>` of these too, said as `record.cameras` of
+            params.yaml: `--env.cameras='[{name: agentview}, {name: wrist, width: 64}]'`; needs
+            OpenGL.
     """
 
     robot: str = ""

@@ -52,6 +52,7 @@ class LeRobotEnvironment(gymnasium.Wrapper):
         environment = Environment(robot, task, reward, render_mode="rgb_array")
         super().__init__(environment)
         self._seeds: Use = seeds
+        self._simulation = environment.simulation
         self._observed = tuple(cameras)
         self._filmed = self._observed or (CameraParams(),)
         self._cameras: Sequence[Camera] = ()
@@ -63,8 +64,9 @@ class LeRobotEnvironment(gymnasium.Wrapper):
             "environment_state": _part(bounds, ENVIRONMENT_STATE),
         }
         if self._observed:
-            pictures = {one.name: _picture(one) for one in self._observed}
-            spaces["pixels"] = gymnasium.spaces.Dict(pictures)
+            spaces["pixels"] = gymnasium.spaces.Dict(
+                [(one.name, _picture(one)) for one in self._observed]
+            )
         self.observation_space = gymnasium.spaces.Dict(spaces)
 
     def reset(
@@ -90,7 +92,7 @@ class LeRobotEnvironment(gymnasium.Wrapper):
         """
         if not _seeing():
             return np.zeros(_picture(self._filmed[0]).shape, np.uint8)
-        return self._seen()[0].render(self.unwrapped.simulation)
+        return self._seen()[0].render(self._simulation)
 
     def close(self) -> None:
         for camera in self._cameras:
@@ -102,7 +104,7 @@ class LeRobotEnvironment(gymnasium.Wrapper):
         if not self._cameras:
             from lfr.sim.camera import open_cameras
 
-            there = self.unwrapped.simulation
+            there = self._simulation
             self._cameras = open_cameras(there.embodiment.name, there.task.name, self._filmed)
         return self._cameras
 
@@ -112,7 +114,7 @@ class LeRobotEnvironment(gymnasium.Wrapper):
             "environment_state": observation[ENVIRONMENT_STATE],
         }
         if self._observed:
-            there = self.unwrapped.simulation
+            there = self._simulation
             named["pixels"] = {
                 camera.name: np.ascontiguousarray(camera.render(there)) for camera in self._seen()
             }

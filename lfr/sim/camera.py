@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import lfr.tasks
-from lfr.errors import MissingLibraryError
+from lfr.errors import MissingLibraryError, UnknownNameError
 from lfr.sim.camera_params import STOCK_NAMES, CameraParams, check_names
 from lfr.sim.simulation import Simulation
 from lfr.sim.visual import GROUP, OUT_OF_SIGHT, coarsen_robot, in_sight, visual_model
@@ -54,7 +54,7 @@ class Camera:
         moves: whether it is carried by the arm, and its pose another one at each moment.
 
     Raises:
-        UnknownNameError: unknown embodiment, task or camera.
+        UnknownNameError: unknown embodiment or task, or no such camera in this task's scene.
         ParameterError: a size that there is not.
         MissingLibraryError: no OpenGL; names the Debian packages that bring it.
     """
@@ -73,7 +73,10 @@ class Camera:
         # its own copy: what is out of sight, or too fine to be seen, differs between cameras
         self._model = model = copy.copy(visual_model(embodiment, task))
         self._data = mujoco.MjData(model)
-        camera = model.camera(STOCK_NAMES[wanted.name]).id
+        there = {model.camera(i).name: i for i in range(model.ncam)}
+        if (camera := there.get(STOCK_NAMES[wanted.name])) is None:
+            known = [name for name, stock in STOCK_NAMES.items() if stock in there]
+            raise UnknownNameError(f"camera of {task}", name, known)
         self.moves = bool(model.body_weldid[model.cam_bodyid[camera]])
         if model.cam_bodyid[camera] == 0:  # one on the arm looks from nearby
             pixel = 2.0 * np.tan(0.5 * np.radians(model.cam_fovy[camera])) / height
@@ -157,9 +160,7 @@ class Camera:
         self._model.geom_group[self._visual] = np.where(seen[self._visual], GROUP, OUT_OF_SIGHT)
 
 
-def open_cameras(
-    embodiment: str, task: str, wanted: Sequence[CameraParams]
-) -> tuple[Camera, ...]:
+def open_cameras(embodiment: str, task: str, wanted: Sequence[CameraParams]) -> tuple[Camera, ...]:
     """Several cameras on one scene, in this order, which share an OpenGL context.
 
     Raises:

@@ -13,7 +13,7 @@ STOCK_NAMES = {
     "robotview": "robot0_robotview",
     "wrist": "robot0_eye_in_hand",
 }
-"""Name here -> robosuite's, of every arm in every task."""
+"""Name here -> robosuite's, of every arm; in `pick_place` robosuite has no sideview."""
 
 LARGEST = 4096  # pixels of a side
 

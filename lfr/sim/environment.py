@@ -106,9 +106,7 @@ class Environment(gymnasium.Env[NDArray[np.float64], NDArray[np.float32]]):
             from lfr.sim.camera import Camera
 
             body, task, seen_by = self.simulation.embodiment, self.simulation.task, self._seen_by
-            self._camera = Camera(
-                body.name, task.name, seen_by.name, seen_by.width, seen_by.height
-            )
+            self._camera = Camera(body.name, task.name, seen_by.name, seen_by.width, seen_by.height)
         return self._camera.render(self.simulation)
 
     def close(self) -> None:

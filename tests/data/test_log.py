@@ -129,6 +129,30 @@ def test_images_are_jpeg_and_the_camera_is_calibrated(tmp_path: Path) -> None:
     assert schemas["/tf"] == "foxglove.FrameTransforms"
 
 
+def test_a_camera_that_moves_has_a_pose_in_every_frame(tmp_path: Path) -> None:
+    from dataclasses import replace
+
+    intrinsics = np.array([[30.0, 0.0, 16.0], [0.0, 30.0, 24.0], [0.0, 0.0, 1.0]])
+    logged = [
+        replace(
+            frame,
+            body_poses={**frame.body_poses, "wrist": (np.full(3, float(t)), np.eye(4)[0])},
+            images={"wrist": np.zeros((48, 32, 3), np.uint8)},
+        )
+        for t, frame in enumerate(made_up.frames(seed=0, length=3))
+    ]
+    models = {"wrist": CameraModel(32, 48, intrinsics)}
+    with EpisodeLog(tmp_path / "e.mcap", made_up.info(), models) as log:
+        for frame in logged:
+            log.frame(frame)
+        log.finish(np.zeros(30), logged[-1].body_poses)
+    poses = body_poses(tmp_path / "e.mcap")["wrist"]
+    np.testing.assert_array_equal(poses[:, 0], [0, 1, 2, 2])
+    found = read_log(tmp_path / "e.mcap").cameras["wrist"]
+    assert (found.width, found.height, found.position) == (32, 48, None)
+    np.testing.assert_array_equal(found.intrinsics, intrinsics)
+
+
 def _decode(jpeg: bytes) -> np.ndarray:
     import io
 

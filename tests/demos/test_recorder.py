@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -9,11 +10,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from lfr.data.dataset import pack_dataset
+from lfr.data.episode import IMAGES
 from lfr.data.log_reader import body_poses, list_logs, read_log
 from lfr.demos import recorder
 from lfr.demos.attempt import Moment
 from lfr.demos.recorder import CameraParams, RecordParams, record_demonstrations
-from lfr.errors import LfrError
+from lfr.errors import LfrError, ParameterError
+from lfr.params import from_mapping
 from lfr.sim.camera import camera_available
 from lfr.sim.simulation import Simulation
 
@@ -59,7 +63,7 @@ def test_successes_are_logged_and_counted(recorded: tuple[Path, dict[str, Any]])
     assert all(episode.success for episode in episodes)
     assert metrics["frames"] == sum(map(len, episodes))
     assert metrics["attempts"] == metrics["failures"] + 2
-    assert metrics["camera"] is None
+    assert metrics["cameras"] == []
     lingering = [int(episode.features["next.success"].sum()) for episode in episodes]
     assert min(lingering) >= PARAMS.attempt.linger  # so that windows of a skill are whole
 
@@ -98,14 +102,87 @@ def test_the_same_seed_is_the_same_file(
         assert first.features["action"].tobytes() == second.features["action"].tobytes()
 
 
-@pytest.mark.skipif(not camera_available(), reason="no OpenGL (libegl1)")
-def test_pictures_are_logged_with_their_camera(tmp_path: Path) -> None:
-    params = RecordParams(episodes=1, camera=CameraParams(width=32, height=24))
-    metrics = record_demonstrations("panda", "lift", params, tmp_path / "logs", tmp_path)
-    log = list_logs(tmp_path / "logs")[0]
-    assert metrics["camera"] == "agentview"
-    assert len(read_log(log).images["agentview"]) == metrics["frames"]
-    assert body_poses(log)["agentview"].shape == (1, 7)
+CAMERAS = (
+    CameraParams("agentview", 64, 48),
+    CameraParams("wrist", 32, 64),
+    CameraParams("sideview", 48, 48),
+)
+needs_opengl = pytest.mark.skipif(not camera_available(), reason="no OpenGL (libegl1)")
+
+
+@pytest.fixture(scope="module")
+def seen(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """One attempt's log with the first camera alone, and with all three."""
+    logs = []
+    for cameras in (CAMERAS[:1], CAMERAS):
+        folder = tmp_path_factory.mktemp("seen")
+        params = RecordParams(episodes=1, cameras=cameras)
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr("os.cpu_count", lambda: 1)
+            metrics = record_demonstrations("panda", "lift", params, folder / "logs", folder)
+        assert metrics["cameras"] == [camera.name for camera in cameras]
+        logs += list_logs(folder / "logs")
+    first, second = logs
+    return first, second
+
+
+@needs_opengl
+def test_pictures_are_logged_with_their_cameras(seen: tuple[Path, Path]) -> None:
+    from PIL import Image
+
+    episode, poses = read_log(seen[1]), body_poses(seen[1])
+    assert list(episode.images) == list(episode.cameras) == [camera.name for camera in CAMERAS]
+    for camera in CAMERAS:
+        assert len(episode.images[camera.name]) == len(episode)
+        size = Image.open(io.BytesIO(episode.images[camera.name][0])).size
+        model = episode.cameras[camera.name]
+        assert size == (camera.width, camera.height) == (model.width, model.height)
+    assert poses["agentview"].shape == poses["sideview"].shape == (1, 7)
+    assert poses["wrist"].shape == (len(episode) + 1, 7)
+    apart = np.linalg.norm(poses["wrist"][:, :3] - poses["robot0_right_hand"][:, :3], axis=1)
+    np.testing.assert_allclose(apart, 0.05, atol=1e-9)
+    assert np.ptp(poses["wrist"][:, :3], axis=0).max() > 0.05
+
+
+@needs_opengl
+def test_a_cameras_pictures_do_not_depend_on_the_others(seen: tuple[Path, Path]) -> None:
+    alone, together = map(read_log, seen)
+    assert list(alone.images) == ["agentview"]
+    assert alone.images["agentview"] == together.images["agentview"]
+    assert alone.simulator_state.tobytes() == together.simulator_state.tobytes()
+
+
+@needs_opengl
+def test_each_camera_is_a_feature_of_the_dataset(seen: tuple[Path, Path], tmp_path: Path) -> None:
+    from lerobot.datasets import LeRobotDataset
+
+    from lfr.curation.verify import verify_dataset
+
+    out = tmp_path / "panda-lift"
+    counts = pack_dataset([seen[1]], out)
+    assert counts["cameras"] == ["agentview", "wrist", "sideview"]
+    row = LeRobotDataset("lfr/panda-lift", root=out, video_backend="pyav")[3]
+    shapes = {key: tuple(value.shape) for key, value in row.items() if key.startswith(IMAGES)}
+    assert shapes == {f"{IMAGES}{c.name}": (3, c.height, c.width) for c in CAMERAS}
+    report = verify_dataset(out, logs=seen[1].parent, pictures=1)
+    assert not report.errors
+
+
+@pytest.mark.parametrize(
+    ("cameras", "message"),
+    [
+        ([{"name": "agentview"}, {"name": "agentview", "width": 64}], "agentview more than once"),
+        ([{"name": "hand"}], r"record.cameras\[0\]: unknown camera 'hand'; valid: .*wrist"),
+        ([{"name": "wrist", "width": 65}], r"record.cameras\[0\]: width .* found 65"),
+        (["wrist"], r"record.cameras\[0\]: found 'wrist', expected a mapping"),
+        ("wrist", "record.cameras: found 'wrist', expected a list"),
+    ],
+)
+def test_cameras_that_there_are_not_are_refused_with_their_place(
+    cameras: Any, message: str
+) -> None:
+    with pytest.raises(ParameterError, match=message):
+        from_mapping(RecordParams, {"cameras": cameras}, "params.yaml: record")
 
 
 def test_failures_are_counted_and_not_kept(
@@ -164,5 +241,5 @@ def test_without_opengl_states_alone_and_one_line(
     printed = capsys.readouterr().err
     assert printed.count("\n") == 1
     assert "libegl1" in printed
-    assert metrics["camera"] is None
+    assert metrics["cameras"] == []
     assert not read_log(list_logs(tmp_path / "logs")[0]).images

@@ -62,11 +62,11 @@ def facts_without_data(name: str) -> DatasetFacts:
     record, pack = read("record", name), read("pack", name)
     schema = features_of(embodiment(robot), TASKS[task])
     columns = [Column(f.key, f.dtype, f.shape, f.names or ()) for f in schema.values()]
-    camera = read_section(RecordParams, "record", ROOT / "params.yaml").camera
-    for each in pack["cameras"]:
-        assert camera
+    cameras = read_section(RecordParams, "record", ROOT / "params.yaml").cameras
+    assert pack["cameras"] == [camera.name for camera in cameras]
+    for camera in cameras:
         shape, names = (camera.height, camera.width, 3), ("height", "width", "channels")
-        columns.append(Column(f"{IMAGES}{each}", "video", shape, names, "av1"))
+        columns.append(Column(f"{IMAGES}{camera.name}", "video", shape, names, "av1"))
     for key in ("timestamp", "frame_index", "episode_index", "index", "task_index"):
         columns.append(Column(key, "float32" if key == "timestamp" else "int64", (1,), ()))
     length, seeds = record["length"], record["seeds"]

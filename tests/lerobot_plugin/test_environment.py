@@ -14,9 +14,12 @@ from lfr.lerobot_plugin.env_config import LfrEnv
 from lfr.lerobot_plugin.environment import LeRobotEnvironment
 from lfr.robots import ROBOTS
 from lfr.seeds import FIRST, use_of_seed
-from lfr.sim.camera import camera_available
+from lfr.sim.camera import camera_available, open_cameras
+from lfr.sim.camera_params import CameraParams
 from lfr.sim.simulation import simulation
 from lfr.tasks import TASKS
+
+CAMERAS = [CameraParams(), CameraParams("wrist", 64, 48)]
 
 
 def batch(n: int, **options: Any) -> Any:
@@ -51,9 +54,9 @@ def test_the_seeds_of_another_use() -> None:
 def test_features_are_those_of_the_datasets(task: str) -> None:
     from lfr.data.episode import FEATURES
 
-    features = env_to_policy_features(LfrEnv(robot="panda", task=task, pictures=True))
+    features = env_to_policy_features(LfrEnv(robot="panda", task=task, cameras=CAMERAS))
     recorded = {feature.key for feature in FEATURES}
-    cameras = {"observation.images.agentview"}
+    cameras = {"observation.images.agentview", "observation.images.wrist"}
     assert set(features) == cameras | (
         recorded & {"observation.state", "observation.environment_state", "action"}
     )
@@ -61,6 +64,7 @@ def test_features_are_those_of_the_datasets(task: str) -> None:
     names = TASKS[task].environment.names
     assert features["observation.environment_state"].shape == (len(names),)
     assert features["observation.images.agentview"].shape == (3, 128, 128)
+    assert features["observation.images.wrist"].shape == (3, 48, 64)
 
 
 @pytest.mark.parametrize("robot", ["panda", "panda-joint_position"])
@@ -100,14 +104,31 @@ def test_what_vision_language_policies_ask_for() -> None:
 
 
 @pytest.mark.skipif(not camera_available(), reason="no OpenGL")
-def test_the_picture_observed_is_the_one_drawn() -> None:
-    environments = batch(1, pictures=True)
+def test_the_pictures_observed_are_those_drawn() -> None:
+    environments = batch(1, cameras=CAMERAS)
     observation = preprocess_observation(start(environments, 0))
-    picture = observation["observation.images.agentview"]
-    drawn = environments.envs[0].render()
-    assert drawn.std() > 10
-    expected = drawn.transpose(2, 0, 1)[None] / np.float32(255)
-    np.testing.assert_array_equal(picture.numpy(), expected)
+    engine = simulation("panda", "lift")
+    engine.reset(FIRST["held-out"])
+    views = open_cameras("panda", "lift", CAMERAS)
+    for view in views:
+        picture = observation[f"observation.images.{view.name}"]
+        drawn = view.render(engine)
+        assert drawn.std() > 10
+        expected = drawn.transpose(2, 0, 1)[None] / np.float32(255)
+        np.testing.assert_array_equal(picture.numpy(), expected)
+    np.testing.assert_array_equal(environments.envs[0].render(), views[0].render(engine))
+    for each in (environments, *views):
+        each.close()
+
+
+def test_cameras_are_said_as_in_params_yaml() -> None:
+    import draccus
+
+    said = "--cameras=[{name: agentview}, {name: wrist, width: 64, height: 48}]"
+    found = draccus.parse(LfrEnv, args=["--robot=panda", "--task=lift", said])
+    assert found.cameras == CAMERAS
+    with pytest.raises(ParameterError, match="wrist more than once"):
+        LfrEnv(robot="panda", task="lift", cameras=[CAMERAS[1]] * 2)
 
 
 def test_without_opengl_videos_are_black(

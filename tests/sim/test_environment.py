@@ -5,7 +5,10 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 
+from lfr.errors import UnknownNameError
+from lfr.sim.camera import Camera, camera_available
 from lfr.sim.environment import environment_id
+from lfr.sim.simulation import simulation
 from lfr.tasks import TASKS
 from tests.sim.pairs import EMBODIMENTS, pair, put
 from tests.sim.test_simulation import goal_pose
@@ -36,6 +39,20 @@ def test_an_episode_is_cut_at_the_horizon_and_reports_success() -> None:
         assert truncated == (step == 150)
         assert 0 <= reward <= 1
         assert info["is_success"] is False
+
+
+@pytest.mark.skipif(not camera_available(), reason="no OpenGL (libegl1)")
+def test_it_draws_what_the_chosen_camera_sees() -> None:
+    wanted = {"camera": "wrist", "width": 64, "height": 48}
+    environment = gymnasium.make("lfr/Lift-Panda-v0", render_mode="rgb_array", **wanted)
+    environment.reset(seed=3)
+    engine, view = simulation("panda", "lift"), Camera("panda", "lift", "wrist", 64, 48)
+    engine.reset(3)
+    np.testing.assert_array_equal(environment.render(), view.render(engine))
+    environment.close()
+    view.close()
+    with pytest.raises(UnknownNameError, match="wrist"):
+        gymnasium.make("lfr/Lift-Panda-v0", camera="hand")
 
 
 def test_episodes_after_a_seed_differ_and_repeat() -> None:

@@ -20,10 +20,12 @@ from lfr.data.episode import (
 )
 from lfr.data.log import EpisodeLog, Frame
 from lfr.data.log_reader import read_log
+from lfr.data.messages import CameraModel, Pose
 from lfr.embodiments import embodiment
 from lfr.tasks import task
 
 FRAMES = 12
+INTRINSICS = np.array([[50.0, 0.0, 32.0], [0.0, 50.0, 32.0], [0.0, 0.0, 1.0]])
 
 
 @dataclass(frozen=True)
@@ -44,10 +46,20 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Recorded:
     info = EpisodeInfo.of(sim.embodiment, sim.task, 5)
     path = tmp_path_factory.mktemp("logs") / "panda-lift" / "episode-000000.mcap"
     rng, rows = np.random.default_rng(0), []
-    with EpisodeLog(path, info) as log:
+    cameras = {
+        "agentview": CameraModel(64, 64, INTRINSICS, np.ones(3), np.array([1.0, 0.0, 0.0, 0.0])),
+        "wrist": CameraModel(64, 64, INTRINSICS),
+    }
+
+    def bodies() -> dict[str, Pose]:
+        """And the wrist's camera, wherever the hand is."""
+        poses = sim.body_poses()
+        return {**poses, "wrist": poses["robot0_right_hand"]}
+
+    with EpisodeLog(path, info, cameras) as log:
         for t in range(FRAMES):
             action = rng.uniform(-1, 1, 7)
-            poses = sim.body_poses()
+            poses = bodies()
             rows.append(poses)
             frame = Frame(
                 observation=observation,
@@ -57,11 +69,14 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Recorded:
                 success=t > 8,
                 simulator_state=sim.state(),
                 body_poses=poses,
-                images={"agentview": np.full((64, 64, 3), 20 * t, np.uint8)},
+                images={
+                    "agentview": np.full((64, 64, 3), 20 * t, np.uint8),
+                    "wrist": np.full((64, 64, 3), 255 - 20 * t, np.uint8),
+                },
             )
             observation = sim.step(action[None]).observations[0]
             log.frame(frame)
-        rows.append(sim.body_poses())
+        rows.append(bodies())
         log.finish(sim.state(), rows[-1])
     poses = {name: np.array([np.concatenate(row[name]) for row in rows]) for name in rows[0]}
     return Recorded(path, read_log(path), poses)

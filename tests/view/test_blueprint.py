@@ -1,6 +1,7 @@
 """Layouts: every curve is seen whole, and recordings opened together keep their own."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,7 @@ from lfr.view.blueprint import (
     policy_blueprint,
 )
 from lfr.view.eye import Eye
+from lfr.view.side_by_side_layout import Side, beside_blueprint
 
 LAYOUT = EpisodeLayout(
     "an episode", ("agentview",), {"eef_pos": "eef_pos (m)"}, Eye(np.ones(3), np.zeros(3)),
@@ -46,6 +48,18 @@ def test_every_curve_is_seen_whole(blueprint: rrb.Blueprint, fewest: int) -> Non
     expected = rrb.archetypes.TimeAxis(view_range=whole)
     for view in curves:
         assert view.properties["TimeAxis"].view_range == expected.view_range, view.name
+
+
+@pytest.mark.parametrize("cameras", [(), ("agentview",), ("agentview", "wrist", "sideview")])
+def test_every_camera_has_a_view(cameras: tuple[str, ...]) -> None:
+    shown = views(episode_blueprint(replace(LAYOUT, cameras=cameras)).root_container)
+    pictures = [view for view in shown if isinstance(view, rrb.Spatial2DView)]
+    assert [view.origin for view in pictures] == [f"/camera/{camera}" for camera in cameras]
+    side = Side("/left", "an arm", cameras, Eye(np.ones(3), np.zeros(3)))
+    other = replace(side, root="/right", cameras=("agentview",))
+    both = views(beside_blueprint(side, other).root_container)
+    origins = [view.origin for view in both if isinstance(view, rrb.Spatial2DView)]
+    assert origins == [*(f"/left/camera/{camera}" for camera in cameras), "/right/camera/agentview"]
 
 
 def test_a_recording_shares_its_layout_with_no_other(shown: Path, tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from lfr.errors import DataError
 from lfr.view.motion import poses_of_observations, poses_of_states
 
 from . import rrd
-from .conftest import FRAMES, Recorded
+from .conftest import FRAMES, INTRINSICS, Recorded
 
 
 def test_transforms_are_mujocos_body_poses(recorded: Recorded, shown: Path) -> None:
@@ -40,6 +40,21 @@ def test_series_are_the_recorded_features(recorded: Recorded, shown: Path) -> No
     words = [state[0] for state in entities["/state/success"]["StateChange:state"][1]]
     assert words == ["not yet"] * 9 + ["success"] * 3
     assert len(entities["/camera/agentview"]["EncodedImage:blob"][1]) == FRAMES
+
+
+def test_a_frustum_stands_where_its_camera_is(recorded: Recorded, shown: Path) -> None:
+    entities = rrd.read(shown)
+    frames, translations = entities["/frustum/wrist"]["Transform3D:translation"]
+    np.testing.assert_array_equal(frames, np.arange(FRAMES + 1))
+    hand = recorded.poses["robot0_right_hand"][:, :3]
+    np.testing.assert_allclose(np.array(translations)[:, 0], hand, atol=1e-6)
+    assert len(entities["/frustum/agentview"]["Transform3D:translation"][1]) == 1
+    for camera in ("agentview", "wrist"):
+        pinhole = entities[f"/frustum/{camera}"]
+        projection = np.array(pinhole["Pinhole:image_from_camera"][1]).reshape(3, 3).T
+        np.testing.assert_allclose(projection, INTRINSICS)
+        assert np.ravel(pinhole["Pinhole:resolution"][1]).tolist() == [64, 64]
+        assert len(entities[f"/camera/{camera}"]["EncodedImage:blob"][1]) == FRAMES
 
 
 def test_the_path_ends_where_the_hand_is(recorded: Recorded, shown: Path) -> None:

@@ -96,6 +96,16 @@ def test_the_committed_file_is_current() -> None:
     assert json.loads(FILE.read_text()) == expected, "run `python -m lfr.view.foxglove_layout`"
 
 
+@pytest.mark.parametrize("cameras", [(), ("agentview", "wrist", "sideview")])
+def test_the_layout_of_logs_with_other_cameras(cameras: tuple[str, ...]) -> None:
+    layout = foxglove_layout(embodiment(DEFAULT), cameras)
+    assert sorted(leaves(layout["layout"])) == sorted(layout["configById"])
+    topics = [image["imageMode"]["imageTopic"] for image in panels(layout, "Image")]
+    assert topics == [f"/camera/{camera}" for camera in cameras]
+    (bodies,) = panels(layout, "3D")
+    assert list(bodies.get("topics", {})) == [f"{topic}/calibration" for topic in topics]
+
+
 def test_every_panel_has_one_place_and_a_title(layout: dict[str, Any]) -> None:
     assert sorted(leaves(layout["layout"])) == sorted(layout["configById"])
     titles = [options["foxglovePanelTitle"] for options in layout["configById"].values()]

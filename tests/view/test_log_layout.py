@@ -65,7 +65,17 @@ def test_every_plotted_field_is_in_a_log(recorded: Recorded, raw: Path) -> None:
         assert TIMELINE in timelines[plot.topic]
         for selector in plot.fields:
             assert selected(message, selector) == pa.float64(), (plot.name, selector)
-    assert {"/tf", "/camera/agentview"} <= entities
+    assert {"/tf", "/camera/agentview", "/camera/wrist"} <= entities
+
+
+@pytest.mark.parametrize("cameras", [(), ("agentview", "wrist", "sideview")])
+def test_the_layout_of_logs_with_other_cameras(cameras: tuple[str, ...], tmp_path: Path) -> None:
+    out = tmp_path / "log.rbl"
+    log_blueprint(embodiment(DEFAULT), cameras).save(APPLICATION, str(out))
+    origins = [row for row in contents(out) if row.startswith("ViewBlueprint:space_origin")]
+    assert {c for c in ("agentview", "wrist", "sideview") if f"/camera/{c}" in str(origins)} == {
+        *cameras
+    }
 
 
 def selected(message: Any, selector: str) -> pa.DataType:

@@ -44,7 +44,7 @@ def test_methods_are_given_what_they_need(asked: Asked) -> None:
 
 def test_recordings_have_no_pictures_and_as_many_as_asked(asked: Asked) -> None:
     params = [asked.record_params(asked.settings[name]) for name in ("paper", "demonstrations")]
-    assert [(one.camera, one.episodes) for one in params] == [(None, 50), (None, 200)]
+    assert [(one.cameras, one.episodes) for one in params] == [((), 50), ((), 200)]
     assert params[0].attempt == asked.record.attempt
 
 

@@ -1,0 +1,141 @@
+"""What cameras cost: one attempt recorded without pictures, and with one, two and three cameras.
+
+    python -m benchmarks.cameras [--repeats 5] [--out results/benchmarks]
+
+The attempt is the same each time: simulated, drawn, encoded as JPEG, logged and synced. Of each
+number of cameras: frames per second against none, and frames in a megabyte of the log and of the
+dataset that is packed from it. Then pictures per second as they are drawn, without multisampling,
+against those with MuJoCo's own four samples. Seconds are the processor's, not the clock's, for a
+busy machine distorts them less; one thread draws, in software unless MUJOCO_GL says otherwise.
+"""
+
+from __future__ import annotations
+
+import argparse
+import copy
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from benchmarks._datasets import scratch
+from benchmarks._figures import FOLDER, Figure, against, show, write
+from lfr.data.dataset import pack_dataset
+from lfr.data.log_reader import read_log
+from lfr.demos.attempt import AttemptParams
+from lfr.demos.recorder import AttemptJob, log_path, record_attempt
+from lfr.seeds import episode_seed
+from lfr.sim import camera
+from lfr.sim.camera_params import CameraParams
+from lfr.sim.simulation import Simulation
+
+ROBOT, TASK = "panda-joint_position", "lift"
+SIZE = 128
+NAMES = ("agentview", "wrist", "frontview")
+SAMPLES = 4  # MuJoCo's default
+PICTURES = 40
+MEGABYTE = 2**20
+
+
+def recorded(cameras: Sequence[str], folder: Path) -> tuple[float, float, float]:
+    """Record the attempt; frames per second, and per megabyte of its log and of its dataset."""
+    params = tuple(CameraParams(name, SIZE, SIZE) for name in cameras)
+    seed = episode_seed("demonstration", 0)
+    job = AttemptJob(ROBOT, TASK, seed, str(folder), AttemptParams(), params)
+    log, dataset = log_path(folder, seed), folder / "dataset"
+    log.unlink(missing_ok=True)
+    began = time.process_time()
+    made = record_attempt(job)
+    seconds = time.process_time() - began
+    assert made["success"], "the expert fails from this start; choose another"
+    pack_dataset([log], dataset)
+    size = sum(file.stat().st_size for file in dataset.rglob("*") if file.is_file())
+    frames = made["frames"]
+    return frames / seconds, frames * MEGABYTE / log.stat().st_size, frames * MEGABYTE / size
+
+
+def costs(folder: Path, repeats: int) -> list[Figure]:
+    """Of one, two and three cameras against none, round by round after one to warm up."""
+    sides = [NAMES[:count] for count in range(len(NAMES) + 1)]
+    rounds = [[recorded(side, folder) for side in sides] for _ in range(repeats + 1)][1:]
+    figures = []
+    for number, unit in enumerate(("frames/s", "frames/MB of log", "frames/MB of dataset")):
+        for count in range(1, len(sides)):
+            pairs = [(each[count][number], each[0][number]) for each in rounds]
+            name = f"{unit.replace('frames/', '')}: {'+'.join(sides[count])}/none"
+            figures.append(against(name, unit, None, pairs))
+            show(figures[-1])
+    return figures
+
+
+def multisampled(model: Any) -> Any:
+    """The same visual model, drawn with several samples to a pixel."""
+    smooth = copy.copy(model)
+    smooth.vis.quality.offsamples = SAMPLES
+    return smooth
+
+
+def sampling(states: Sequence[np.ndarray], repeats: int) -> list[Figure]:
+    """Pictures per second of each camera as they are, against multisampled ones."""
+    shown, figures = Simulation(ROBOT, TASK), []
+    built = camera.visual_model
+    for name in NAMES:
+        plain = camera.Camera(ROBOT, TASK, name, SIZE, SIZE)
+        camera.visual_model = lambda *scene: multisampled(built(*scene))
+        try:
+            smooth = camera.Camera(ROBOT, TASK, name, SIZE, SIZE)
+        finally:
+            camera.visual_model = built
+        pairs = []
+        for number in range(repeats + 1):
+            order = (plain, smooth) if number % 2 else (smooth, plain)
+            rate = {each: drawn(each, shown, states) for each in order}
+            pairs.append((rate[plain], rate[smooth]))
+        figures.append(against(f"one_sample/{SAMPLES}_samples: {name}", "pictures/s", None,
+                               pairs[1:]))  # fmt: skip
+        show(figures[-1])
+        apart = difference(plain, smooth, shown, states)
+        print(f"  the two pictures are {apart:.2f} of 255 apart in the mean", flush=True)
+        plain.close()
+        smooth.close()
+    return figures
+
+
+def drawn(by: camera.Camera, shown: Simulation, states: Sequence[np.ndarray]) -> float:
+    """Pictures per second."""
+    began = time.process_time()
+    for state in states:
+        shown.set_state(state)
+        by.render(shown)
+    return len(states) / (time.process_time() - began)
+
+
+def difference(
+    one: camera.Camera, other: camera.Camera, shown: Simulation, states: Sequence[np.ndarray]
+) -> float:
+    """Mean absolute difference of their pixels, of 255."""
+    found = []
+    for state in states:
+        shown.set_state(state)
+        pictures = [each.render(shown).astype(float) for each in (one, other)]
+        found.append(np.abs(pictures[0] - pictures[1]).mean())
+    return float(np.mean(found))
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--repeats", type=int, default=5)
+    parser.add_argument("--out", type=Path, default=FOLDER)
+    arguments = parser.parse_args()
+    with scratch() as folder:
+        figures = costs(folder, arguments.repeats)
+        log = read_log(log_path(folder, episode_seed("demonstration", 0)))
+        chosen = np.linspace(0, len(log) - 1, PICTURES).astype(int)
+        figures += sampling(log.simulator_state[chosen], arguments.repeats)
+    print(write("cameras", figures, arguments.out))
+
+
+if __name__ == "__main__":
+    main()
