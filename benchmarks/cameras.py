@@ -13,8 +13,10 @@ from __future__ import annotations
 
 import argparse
 import copy
+import statistics
 import time
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -39,35 +41,60 @@ PICTURES = 40
 MEGABYTE = 2**20
 
 
-def recorded(cameras: Sequence[str], folder: Path) -> tuple[float, float, float]:
-    """Record the attempt; frames per second, and per megabyte of its log and of its dataset."""
+@dataclass(frozen=True)
+class Recorded:
+    """The attempt's log, how many frames it has and how many were recorded in a second."""
+
+    log: Path
+    frames: int
+    rate: float
+
+
+def record(cameras: Sequence[str], folder: Path) -> Recorded:
+    """Record the attempt with these cameras."""
     params = tuple(CameraParams(name, SIZE, SIZE) for name in cameras)
     seed = episode_seed("demonstration", 0)
     job = AttemptJob(ROBOT, TASK, seed, str(folder), AttemptParams(), params)
-    log, dataset = log_path(folder, seed), folder / "dataset"
+    log = log_path(folder, seed)
     log.unlink(missing_ok=True)
     began = time.process_time()
     made = record_attempt(job)
     seconds = time.process_time() - began
     assert made["success"], "the expert fails from this start; choose another"
-    pack_dataset([log], dataset)
-    size = sum(file.stat().st_size for file in dataset.rglob("*") if file.is_file())
-    frames = made["frames"]
-    return frames / seconds, frames * MEGABYTE / log.stat().st_size, frames * MEGABYTE / size
+    return Recorded(log, made["frames"], made["frames"] / seconds)
 
 
 def costs(folder: Path, repeats: int) -> list[Figure]:
     """Of one, two and three cameras against none, round by round after one to warm up."""
     sides = [NAMES[:count] for count in range(len(NAMES) + 1)]
-    rounds = [[recorded(side, folder) for side in sides] for _ in range(repeats + 1)][1:]
+    folders = [folder / f"{len(side)}-cameras" for side in sides]
+    for each in folders:
+        each.mkdir()
+    rounds = [
+        [record(side, each) for side, each in zip(sides, folders, strict=True)]
+        for _ in range(repeats + 1)
+    ]
+    rates = [[each.rate for each in one] for one in rounds[1:]]
+    logs = [each.frames * MEGABYTE / each.log.stat().st_size for each in rounds[-1]]
+    datasets = [each.frames * MEGABYTE / packed_size(each.log) for each in rounds[-1]]
+    for side, *rate in zip(sides, *rates, strict=True):
+        print(f"{'+'.join(side) or 'none'}: {1000 / statistics.median(rate):.2f} ms a frame")
     figures = []
-    for number, unit in enumerate(("frames/s", "frames/MB of log", "frames/MB of dataset")):
+    for unit, rows in (
+        ("frames/s", rates), ("frames/MB of log", [logs]), ("frames/MB of dataset", [datasets]),
+    ):  # fmt: skip
         for count in range(1, len(sides)):
-            pairs = [(each[count][number], each[0][number]) for each in rounds]
-            name = f"{unit.replace('frames/', '')}: {'+'.join(sides[count])}/none"
-            figures.append(against(name, unit, None, pairs))
+            name = f"{'+'.join(sides[count])}/none"
+            figures.append(against(name, unit, None, [(row[count], row[0]) for row in rows]))
             show(figures[-1])
     return figures
+
+
+def packed_size(log: Path) -> int:
+    """Bytes of the dataset of this one log."""
+    out = log.with_suffix("")
+    pack_dataset([log], out)
+    return sum(file.stat().st_size for file in out.rglob("*") if file.is_file())
 
 
 def multisampled(model: Any) -> Any:
@@ -131,9 +158,9 @@ def main() -> None:
     arguments = parser.parse_args()
     with scratch() as folder:
         figures = costs(folder, arguments.repeats)
-        log = read_log(log_path(folder, episode_seed("demonstration", 0)))
-        chosen = np.linspace(0, len(log) - 1, PICTURES).astype(int)
-        figures += sampling(log.simulator_state[chosen], arguments.repeats)
+        states = read_log(next(folder.rglob("*.mcap"))).simulator_state
+        chosen = np.linspace(0, len(states) - 1, PICTURES).astype(int)
+        figures += sampling(states[chosen], arguments.repeats)
     print(write("cameras", figures, arguments.out))
 
 

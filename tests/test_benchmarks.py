@@ -7,18 +7,20 @@ import numpy as np
 import pytest
 import torch
 
-from benchmarks import packing, simulation, stages, training
+from benchmarks import cameras, packing, simulation, stages, training
 from benchmarks import windows as reading
 from benchmarks._datasets import Size, as_of_robot, write_dataset
 from benchmarks._figures import FOLDER, within
 from lfr.artifacts import read_json
 from lfr.data.checks import check_dataset
 from lfr.data.episode import Episode
+from lfr.data.log_reader import read_log
 from lfr.data.windows import Windows, read_dataset
 from lfr.errors import DataError
 from lfr.evaluation.marked import put, shown
 from lfr.jobs import Job
 from lfr.jobs.memory import own_peak
+from lfr.sim.camera import camera_available
 from tests.data import made_up
 
 FEW = Size(episodes=3, shortest=12, longest=20)
@@ -95,6 +97,19 @@ def test_all_figures(dataset: Path, tmp_path: Path) -> None:
     trained = training.measure(tmp_path / "training", episodes=20, steps=2)
     assert len(trained) == 3
     assert all(0.05 < figure.ours < 2 for figure in trained)
+
+
+@pytest.mark.skipif(not camera_available(), reason="no OpenGL (libegl1)")
+def test_more_cameras_are_more_to_record(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cameras, "SIZE", 32)
+    monkeypatch.setattr(cameras, "NAMES", ("agentview", "wrist"))
+    figures = cameras.costs(tmp_path, repeats=1)
+    assert len(figures) == 2 * 3
+    assert all(figure.ratio > 0 for figure in figures)
+    for one, two in (figures[2:4], figures[4:6]):  # the sizes, which are the same on any machine
+        assert two.ratio < one.ratio < 1
+    states = read_log(next(tmp_path.rglob("*.mcap"))).simulator_state[:2]
+    assert [figure.unit for figure in cameras.sampling(states, 1)] == ["pictures/s"] * 2
 
 
 def test_a_page_shows_what_was_put_there(tmp_path: Path) -> None:
