@@ -68,10 +68,16 @@ class Generator(Conditioned):
         Args:
             features: `features` of the observations; None for a G(k).
         """
+        return self.read(self.network(self.inputs(k, features)))
+
+    def inputs(self, k: Tensor, features: Tensor | None = None) -> Tensor:
+        """What the network is given, (B, 2Z + F): k standardised, `features` beside it."""
         x = (k - self.centre_in) / self.scale_in
-        if features is not None:
-            x = torch.cat([x, features], dim=-1)
-        return self.network(x) * self.scale_out + self.centre_out
+        return x if features is None else torch.cat([x, features], dim=-1)
+
+    def read(self, y: Tensor) -> Tensor:
+        """k of the other space (B, 2Z) for what the network gives (B, 2Z)."""
+        return y * self.scale_out + self.centre_out
 
     @torch.no_grad()
     def fit_scales(self, k_in: Tensor, k_out: Tensor, states: Tensor | None = None) -> None:

@@ -38,7 +38,7 @@ class Trace(NamedTuple):
     """What the gradient needs of one layer's evaluation."""
 
     x: Tensor  # the layer's input, (E, B, in)
-    linear: Tensor  # weight and bias applied, (E, B, out)
+    linear: Tensor | None = None  # weight and bias applied; what is normalised, (E, B, out)
     normalised: Tensor | None = None  # before scale and shift, (E, B, out)
     mean: Tensor | None = None  # (E, B, 1)
     rstd: Tensor | None = None  # 1 / standard deviation, (E, B, 1)
@@ -97,20 +97,16 @@ def evaluate(layers: Sequence[Layer], x: Tensor, slope: float = 0.0) -> tuple[Te
     for weight, bias, scale, shift in layers[:-1]:
         linear = torch.baddbmm(bias, x, weight)
         if scale is None or shift is None:
-            traces.append(Trace(x, linear))
-            x = functional.leaky_relu(linear, slope)
+            traces.append(Trace(x))
+            x = functional.leaky_relu_(linear, slope)
             continue
         normalised, mean, rstd = torch.native_layer_norm(
-            linear, [linear.shape[2]], None, None, LAYER_NORM_EPSILON
+            linear, linear.shape[2:], *_one_and_zero(linear), LAYER_NORM_EPSILON
         )
         traces.append(Trace(x, linear, normalised, mean, rstd))
         x = functional.leaky_relu_(torch.addcmul(shift, normalised, scale), slope)
     weight, bias, *_ = layers[-1]
-    if weight.shape[2] == 1:  # a matrix product with a single column is slower than this
-        output = (x * weight.transpose(1, 2)).sum(-1, keepdim=True).add_(bias)
-    else:
-        output = torch.baddbmm(bias, x, weight)
-    return output, [*traces, Trace(x, output)]
+    return torch.baddbmm(bias, x, weight), [*traces, Trace(x)]
 
 
 def differentiate(
@@ -128,30 +124,44 @@ def differentiate(
         into: where the gradient by the parameters is written, if it is wanted.
         by_inputs: whether the gradient by the inputs (E, B, in) is wanted, and returned.
     """
-    weight, (x, *_) = layers[-1].weight, traces[-1]
-    single = weight.shape[2] == 1
-    if into is not None:
-        if single:
-            torch.sum((x * gradient).transpose(1, 2), 2, keepdim=True, out=into[-1].weight)
-        else:
-            torch.bmm(x.transpose(1, 2), gradient, out=into[-1].weight)
-        torch.sum(gradient, 1, keepdim=True, out=into[-1].bias)
-    above = weight.transpose(1, 2)
-    g = gradient * above if single else torch.bmm(gradient, above)  # by the last hidden layer
-    for i in range(len(layers) - 2, -1, -1):
+    g = gradient
+    for i in range(len(layers) - 1, -1, -1):
         weight, _, scale, _ = layers[i]
-        below, linear, normalised, mean, rstd = traces[i]
-        g = torch.ops.aten.leaky_relu_backward(g, traces[i + 1].x, slope, True)
-        if scale is not None and normalised is not None:
+        x, linear, normalised, mean, rstd = traces[i]
+        if i < len(layers) - 1:
+            g = leaky_relu_backward(g, traces[i + 1].x, slope, True)
+        if linear is not None and normalised is not None:
             if into is not None:
                 torch.sum(g * normalised, 1, keepdim=True, out=into[i].scale)
                 torch.sum(g, 1, keepdim=True, out=into[i].shift)
-            g = torch.ops.aten.native_layer_norm_backward(
-                g * scale, linear, [linear.shape[2]], mean, rstd, None, None, [True, False, False]
+            g = layer_norm_backward(
+                g * scale, linear, linear.shape[2:], mean, rstd, None, None, [True, False, False]
             )[0]
         if into is not None:
-            torch.bmm(below.transpose(1, 2), g, out=into[i].weight)
+            _weight_gradient(x, g, into[i].weight)
             torch.sum(g, 1, keepdim=True, out=into[i].bias)
         if i > 0 or by_inputs:
-            g = torch.bmm(g, weight.transpose(1, 2))
+            g = torch.bmm(g, weight.mT)
     return g if by_inputs else None
+
+
+leaky_relu_backward = torch.ops.aten.leaky_relu_backward.default
+layer_norm_backward = torch.ops.aten.native_layer_norm_backward.default
+
+
+def _weight_gradient(x: Tensor, g: Tensor, out: Tensor) -> None:
+    if out.shape[2] == 1:  # as a row, which is twice as fast
+        torch.bmm(g.mT, x, out=out.mT)
+    else:
+        torch.bmm(x.mT, g, out=out)
+
+
+def _one_and_zero(like: Tensor) -> tuple[Tensor, Tensor]:
+    """A scale and a shift (out,) that change nothing: without any the kernel takes twice as long."""
+    return _constants(like.shape[2], like.dtype, like.device)
+
+
+@functools.cache
+def _constants(size: int, dtype: torch.dtype, device: torch.device) -> tuple[Tensor, Tensor]:
+    one = torch.ones(size, dtype=dtype, device=device)
+    return one, torch.zeros_like(one)

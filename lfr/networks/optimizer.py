@@ -53,7 +53,7 @@ class FlatAdam:
     @torch.no_grad()
     def descend(self, gradient: Tensor) -> None:
         """One step down a gradient (P,)."""
-        torch.ops.aten._fused_adamw_(
+        torch._fused_adamw_(
             [self.flat], [gradient], [self.mean], [self.square], [], [self.count.add_(1.0)],
             lr=self.lr, beta1=self.betas[0], beta2=self.betas[1], weight_decay=self.decay,
             eps=self.epsilon, amsgrad=False, maximize=False,

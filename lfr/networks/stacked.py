@@ -9,7 +9,8 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from lfr.networks.device import CPU
-from lfr.networks.ensemble import Shape, Trace, differentiate, evaluate
+from lfr.networks.ensemble import Trace, differentiate, evaluate
+from lfr.networks.perceptron import linears_of, shape_of
 
 
 class Stacked:
@@ -27,15 +28,8 @@ class Stacked:
 
     def __init__(self, networks: Sequence[nn.Sequential], device: torch.device = CPU) -> None:
         self._networks = list(networks)
-        linears, slopes = _linears(networks[0]), _slopes(networks[0])
-        self.inputs = max(_linears(network)[0].in_features for network in networks)
-        self._slope = slopes.pop() if slopes else 0.0
-        self._shape = Shape(
-            ensemble=len(networks),
-            widths=(self.inputs, *(linear.out_features for linear in linears[:-1])),
-            outputs=linears[-1].out_features,
-            slope=self._slope,
-        )
+        self._shape = shape_of(networks)
+        self.inputs, self._slope = self._shape.widths[0], self._shape.slope
         self.vector = self._shape.initial().to(device)
         self._gradients = torch.zeros_like(self.vector)
         self._layers, self._slopes = (
@@ -43,7 +37,7 @@ class Stacked:
         )
         with torch.no_grad():
             for member, network in enumerate(networks):
-                for linear, layer in zip(_linears(network), self._layers, strict=True):
+                for linear, layer in zip(linears_of(network), self._layers, strict=True):
                     layer.weight[member].zero_()[: linear.in_features] = linear.weight.T
                     layer.bias[member, 0] = linear.bias
 
@@ -91,14 +85,6 @@ class Stacked:
     def write_back(self) -> None:
         """Give the networks the parameters that they have here by now."""
         for member, network in enumerate(self._networks):
-            for linear, layer in zip(_linears(network), self._layers, strict=True):
+            for linear, layer in zip(linears_of(network), self._layers, strict=True):
                 linear.weight.copy_(layer.weight[member, : linear.in_features].T)
                 linear.bias.copy_(layer.bias[member, 0])
-
-
-def _linears(network: nn.Sequential) -> list[nn.Linear]:
-    return [layer for layer in network if isinstance(layer, nn.Linear)]
-
-
-def _slopes(network: nn.Sequential) -> set[float]:
-    return {layer.negative_slope for layer in network if isinstance(layer, nn.LeakyReLU)}

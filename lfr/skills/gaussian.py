@@ -17,8 +17,9 @@ def kl_divergence(mu_p: Tensor, log_sigma_p: Tensor, mu_q: Tensor, log_sigma_q: 
     Used for the second and third term of Eq. 3 and for the divergence of Eq. 8 and 9.
     """
     difference = (mu_p - mu_q) * torch.exp(-log_sigma_q)
-    ratio = torch.exp(2.0 * (log_sigma_p - log_sigma_q))
-    return 0.5 * (ratio + difference.square() - 1.0).sum(-1) + (log_sigma_q - log_sigma_p).sum(-1)
+    log_ratio = 2.0 * (log_sigma_p - log_sigma_q)  # of the variances
+    each = torch.addcmul(torch.expm1(log_ratio) - log_ratio, difference, difference)
+    return 0.5 * each.sum(-1)
 
 
 def kl_slopes(
@@ -30,6 +31,14 @@ def kl_slopes(
     by_mu = difference * precision
     ratio = torch.exp(2.0 * log_sigma_p) * precision
     return by_mu, 1.0 - ratio - difference * by_mu
+
+
+def kl_slopes_of_first(
+    mu_p: Tensor, log_sigma_p: Tensor, mu_q: Tensor, log_sigma_q: Tensor
+) -> tuple[Tensor, Tensor]:
+    """The gradient of `kl_divergence` by p's mu and log_sigma, (..., Z) each."""
+    by_mu = (mu_p - mu_q) * torch.exp(-2.0 * log_sigma_q)
+    return by_mu, torch.exp(2.0 * (log_sigma_p - log_sigma_q)) - 1.0
 
 
 def kl_to_standard_normal(mu: Tensor, log_sigma: Tensor) -> Tensor:

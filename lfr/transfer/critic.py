@@ -56,25 +56,21 @@ class CriticEnsemble:
         other._hold(self.vector.clone())
         return other
 
-    @torch.no_grad()
     def inputs(self, observation: Tensor) -> Tensor:
         """The normalised observations (B, D) that several calls of ``values`` can share."""
         return self.normalizer(observation).clamp_(-OBSERVATION_CLIP, OBSERVATION_CLIP)
 
-    @torch.no_grad()
     def values(self, inputs: Tensor, z: Tensor) -> tuple[Tensor, list[Trace]]:
         """Q (E, B) at normalised observations (B, D) and skills (B, Z), and how it came about."""
         x = torch.cat([inputs, z], dim=-1).expand(self.shape.ensemble, -1, -1)
         q, traces = evaluate(self.layers, x)
         return q.squeeze(-1), traces
 
-    @torch.no_grad()
     def by_parameters(self, traces: list[Trace], slope: Tensor) -> Tensor:
         """dL/dparameters (P,) for dL/dQ (E, B); overwritten by the next call."""
         differentiate(self.layers, traces, slope[..., None], into=self.slopes)
         return self.gradient
 
-    @torch.no_grad()
     def by_skill(self, traces: list[Trace], slope: Tensor) -> Tensor:
         """dL/dz (B, Z) for dL/dQ (E, B)."""
         gradient = differentiate(self.layers, traces, slope[..., None], by_inputs=True)

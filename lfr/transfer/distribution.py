@@ -11,7 +11,7 @@ from torch import Tensor
 from torch.nn import functional as F
 
 from lfr.errors import UnknownNameError
-from lfr.skills.gaussian import kl_divergence
+from lfr.skills.gaussian import kl_divergence, kl_slopes_of_first
 
 
 class Distribution(Protocol):
@@ -31,6 +31,13 @@ class Distribution(Protocol):
         """KL to the prior, (B,), in nats; ``noise`` is what the skill was drawn with."""
         ...
 
+    def slopes(
+        self, mu: Tensor, log_sigma: Tensor, noise: Tensor, prior_mu: Tensor,
+        prior_log_sigma: Tensor, by_skill: Tensor, by_divergence: Tensor,
+    ) -> tuple[Tensor, Tensor]:  # fmt: skip
+        """dL/dmu and dL/dlog_sigma (B, Z), for dL/dz (B, Z) and dL/dKL (B,) of what was drawn."""
+        ...
+
 
 @dataclass(frozen=True)
 class Gaussian:
@@ -46,6 +53,16 @@ class Gaussian:
         prior_log_sigma: Tensor,
     ) -> Tensor:  # fmt: skip
         return kl_divergence(mu, log_sigma, prior_mu, prior_log_sigma)
+
+    def slopes(
+        self, mu: Tensor, log_sigma: Tensor, noise: Tensor, prior_mu: Tensor,
+        prior_log_sigma: Tensor, by_skill: Tensor, by_divergence: Tensor,
+    ) -> tuple[Tensor, Tensor]:  # fmt: skip
+        # z = mu + sigma epsilon: dz/dmu = 1, dz/dlog sigma = sigma epsilon
+        by_mu, by_log_sigma = kl_slopes_of_first(mu, log_sigma, prior_mu, prior_log_sigma)
+        by_mu = by_skill + by_divergence[:, None] * by_mu
+        by_log_sigma = by_skill * log_sigma.exp() * noise + by_divergence[:, None] * by_log_sigma
+        return by_mu, by_log_sigma
 
 
 @dataclass(frozen=True)
@@ -72,6 +89,16 @@ class SquashedGaussian:
         log_slope = 2.0 * (math.log(2.0) - u - F.softplus(-2.0 * u))
         return (log_normal - log_slope + math.log(2.0)).sum(-1)
 
+    def slopes(
+        self, mu: Tensor, log_sigma: Tensor, noise: Tensor, prior_mu: Tensor,
+        prior_log_sigma: Tensor, by_skill: Tensor, by_divergence: Tensor,
+    ) -> tuple[Tensor, Tensor]:  # fmt: skip
+        # a = tanh(u), u = mu + sigma epsilon: da/du = 1 - a^2, and dKL/du = 2 a
+        spread = log_sigma.exp() * noise  # du/dlog sigma
+        a = torch.tanh(mu + spread)
+        by_u = by_skill * (1.0 - a.square()) + by_divergence[:, None] * 2.0 * a
+        return by_u, by_u * spread - by_divergence[:, None]
+
 
 def tempered(divergence: Tensor, limit: float) -> Tensor:
     """D, and beyond the limit c its logarithm, c (1 + ln(D / c)): (B,) nats to (B,) nats.
@@ -86,6 +113,13 @@ def tempered(divergence: Tensor, limit: float) -> Tensor:
         return divergence
     beyond = limit + limit * (divergence / limit).clamp(min=1.0).log()
     return torch.where(divergence > limit, beyond, divergence)
+
+
+def tempered_slope(divergence: Tensor, limit: float) -> Tensor:
+    """d tempered / dD, (B,): 1, and beyond the limit c / D."""
+    if limit == 0.0:
+        return torch.ones_like(divergence)
+    return limit / divergence.clamp(min=limit)
 
 
 GAUSSIAN, SQUASHED = Gaussian(), SquashedGaussian()

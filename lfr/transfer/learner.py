@@ -9,10 +9,11 @@ import torch
 from torch import Tensor, nn
 
 from lfr.networks.device import CPU
-from lfr.networks.optimizer import FlatAdam, flatten_parameters, trainable
+from lfr.networks.optimizer import FlatAdam
 from lfr.transfer.critic import CriticEnsemble, critic_loss, pessimistic, td_target
-from lfr.transfer.distribution import GAUSSIAN, Distribution, tempered
+from lfr.transfer.distribution import GAUSSIAN, Distribution, tempered, tempered_slope
 from lfr.transfer.extended_policy import MappedPolicy
+from lfr.transfer.learning_policy import LearningPolicy
 from lfr.transfer.replay import Batch
 from lfr.transfer.temperature import Temperature
 from lfr.transfer.transfer_params import TransferParams
@@ -53,8 +54,7 @@ class Learner:
         device: torch.device = CPU,
     ) -> None:
         self.params, self.generator, self.distribution = params, generator, distribution
-        self.device, self.policy = device, policy.to(device)
-        self.policy_parameters = trainable(policy)
+        self.device, self.policy = device, LearningPolicy(policy.to(device))
         inputs = normalizer(torch.zeros(1, observation_dim)).shape[-1]  # may hold more than D
         self.critics = CriticEnsemble(
             copy.deepcopy(normalizer), inputs, latent_dim, params.critics,
@@ -62,11 +62,12 @@ class Learner:
         ).to(device)  # fmt: skip
         self.target = self.critics.clone()
         self.temperature = Temperature(params.initial_alpha, device)
-        self.policy_adam = FlatAdam(flatten_parameters(policy), params.policy_lr)
+        self.policy_adam = FlatAdam(self.policy.vector, params.policy_lr)
         self.critic_adam = FlatAdam(self.critics.vector, params.critic_lr)
         self.alpha_adam = FlatAdam(self.temperature.log_alpha, params.alpha_lr)
         self.updates = 0
 
+    @torch.no_grad()
     def update(self, batch: Batch, count: int = 1, *, critics_only: bool = False) -> list[Info]:
         """``count`` steps of the critics, each on one of as many equal parts of a batch.
 
@@ -75,8 +76,7 @@ class Learner:
         what it would do next.
 
         Returns:
-            Of each step scalars that describe it, detached; those of the policy only where it made
-            one.
+            Of each step scalars that describe it; those of the policy only where it made one.
         """
         noise = torch.randn(2, *batch.z.shape, generator=self.generator).to(self.device)
         batch = Batch(*(column.to(self.device) for column in batch))
@@ -84,37 +84,33 @@ class Learner:
         if len(batch.reward) % count:
             raise ValueError(f"a batch of {len(batch.reward)} has no {count} equal parts")
         size, every = len(batch.reward) // count, self.params.policy_every
+        parts = [Batch(*columns) for columns in zip(*(c.split(size) for c in batch), strict=True)]
         infos: list[Info] = []
         while (first := len(infos)) < count:
             last = count if critics_only else min(count, first + every - self.updates % every)
             alpha, group = self.temperature(), slice(first * size, last * size)
-            next_z, kl = self.foresee(later.policy[group], _part(batch, group), noise[0][group])
-            for k in range(last - first):
-                rows = slice((first + k) * size, (first + k + 1) * size)
-                ahead = slice(k * size, (k + 1) * size)
-                target = self.targets(
-                    _part(batch, rows), alpha, later.critics[rows], next_z[ahead], kl[ahead]
-                )
-                infos.append(self.teach(now.critics[rows], batch.z[rows], target, alpha))
+            prior = batch.next_prior_mu[group], batch.next_prior_log_sigma[group]
+            ahead = self.foresee(later.policy[group], noise[0][group], *prior)
+            for k, next_z, kl in zip(range(first, last), *(x.split(size) for x in ahead)):
+                rows = slice(k * size, (k + 1) * size)
+                target = self.targets(parts[k], alpha, later.critics[rows], next_z, kl)
+                infos.append(self.teach(now.critics[rows], parts[k].z, target, alpha))
             if not critics_only and self.updates % every == 0:
                 rows = slice((last - 1) * size, last * size)
                 seen = Inputs(*(inputs[rows] for inputs in now))
-                infos[-1] |= self.improve(_part(batch, rows), seen, alpha, noise[1][rows])
+                infos[-1] |= self.improve(parts[last - 1], seen, alpha, noise[1][rows])
         return infos
 
-    @torch.no_grad()
     def see(self, observation: Tensor) -> Inputs:
         """What the networks see of raw observations (B, D)."""
         return Inputs(self.critics.inputs(observation), self.policy.features(observation))
 
-    @torch.no_grad()
-    def foresee(self, features: Tensor, batch: Batch, noise: Tensor) -> tuple[Tensor, Tensor]:
-        """The policy's skills (B, Z) at a batch's next states, and their divergence (B,)."""
-        mu, log_sigma = self.policy.of_features(features)
-        kl = self.divergence(mu, log_sigma, noise, batch.next_prior_mu, batch.next_prior_log_sigma)
+    def foresee(self, features: Tensor, noise: Tensor, *prior: Tensor) -> tuple[Tensor, Tensor]:
+        """The policy's skills (B, Z) in states of these features, and their divergence (B,)."""
+        mu, log_sigma, _ = self.policy.evaluate(features)
+        kl = self.divergence(mu, log_sigma, noise, *prior)
         return self.distribution.skill(mu, log_sigma, noise), kl
 
-    @torch.no_grad()
     def targets(
         self, batch: Batch, alpha: Tensor, next_inputs: Tensor, next_z: Tensor, kl: Tensor
     ) -> Tensor:
@@ -145,21 +141,26 @@ class Learner:
         return order[: self.params.target_subset]
 
     def improve(self, batch: Batch, seen: Inputs, alpha: Tensor, noise: Tensor) -> Info:
-        """One step of the policy on alpha KL - Q (Eq. 9), and of the temperature."""
-        mu, log_sigma = self.policy.of_features(seen.policy)
+        """One step of the policy on alpha KL - Q (Eq. 9), and of the temperature.
+
+        The gradient is that of the mean over the batch of alpha tempered(KL(mu, log_sigma)) less
+        the value of z = skill(mu, log_sigma, noise), by the chain rule: the value by Q by z, z and
+        KL by mu and log_sigma, these by the policy's parameters.
+        """
+        mu, log_sigma, trace = self.policy.evaluate(seen.policy)
         z = self.distribution.skill(mu, log_sigma, noise)  # reparameterised
-        q, traces = self.critics.values(seen.critics, z.detach())
-        value, slope = self.value(q)
-        # -Q enters by its gradient: grad_outputs of z are those of -value by z.
-        by_z = self.critics.by_skill(traces, -slope)
-        kl = self.divergence(mu, log_sigma, noise, batch.prior_mu, batch.prior_log_sigma).mean()
-        gradients = torch.autograd.grad([kl, z], self.policy_parameters, [alpha, by_z])
-        self.policy_adam.descend(torch.cat([g.reshape(-1) for g in gradients]))
-        kl = kl.detach()
+        q, traces = self.critics.values(seen.critics, z)
+        value, by_q = self.value(q)
+        by_z = self.critics.by_skill(traces, -by_q)
+        drawn = (mu, log_sigma, noise, batch.prior_mu, batch.prior_log_sigma)
+        divergence, limit = self.distribution.divergence(*drawn), self.params.divergence_limit
+        by_kl = tempered_slope(divergence, limit) * (alpha / len(divergence))
+        slopes = self.distribution.slopes(*drawn, by_z, by_kl)
+        self.policy_adam.descend(self.policy.by_parameters(trace, *slopes))
+        kl = tempered(divergence, limit).mean()
         if not self.params.fixed_alpha:
             self.alpha_adam.descend(self.temperature.gradient(kl, self.params.target_divergence))
-        sigma = log_sigma.detach().mean().exp()
-        return {"policy_loss": alpha * kl - value, "kl": kl, "sigma": sigma}
+        return {"policy_loss": alpha * kl - value, "kl": kl, "sigma": log_sigma.mean().exp()}
 
     def value(self, q: Tensor) -> tuple[Tensor, Tensor]:
         """What the policy climbs of the critics' values (E, B), and its gradient by them (E, B).
@@ -199,7 +200,3 @@ class Learner:
             "critics": self.critic_adam,
             "temperature": self.alpha_adam,
         }
-
-
-def _part(batch: Batch, rows: slice) -> Batch:
-    return Batch(*(column[rows] for column in batch))

@@ -177,7 +177,8 @@ def test_a_random_subset_bounds_the_target_from_above(artifacts, params):
     actor, learner = _learner(artifacts, params, critics=5, target_subset=2)
     batch, alpha = _batch(actor), learner.temperature()
     later = learner.see(batch.next_observation)
-    ahead = learner.foresee(later.policy, batch, torch.zeros(12, 2))
+    prior = batch.next_prior_mu, batch.next_prior_log_sigma
+    ahead = learner.foresee(later.policy, torch.zeros(12, 2), *prior)
     some = [learner.targets(batch, alpha, later.critics, *ahead) for _ in range(20)]
     learner.params = dataclasses.replace(learner.params, target_subset=0)
     everyone = learner.targets(batch, alpha, later.critics, *ahead)
