@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import torch
 from torch import Tensor, nn
 
-from lfr.networks.ensemble import Layer, Shape, Trace, differentiate, evaluate
+from lfr.networks.ensemble import Shape, Trace, differentiate, evaluate
 
 
 class Perceptron:

@@ -99,8 +99,8 @@ class SkillVAE(Conditioned):
         return self.reconstruct(z, observations).clamp(-1.0, 1.0)
 
     def carry_out(self, z: Tensor, observations: Tensor | None = None) -> Tensor:
-        """The first ``execute`` of the decoded actions, (B, execute, A)."""
-        return self.decode(z, observations)[:, : self.execute]
+        """The first ``execute`` of the actions to be decoded, (B, execute, A)."""
+        return self.reconstruct(z, observations, self.execute).clamp(-1.0, 1.0)
 
     def _seen(self, observations: Tensor | None) -> tuple[Tensor, ...]:
         """``(features,)`` of the observations, (B, F), or nothing where it sees nothing of them."""

@@ -91,7 +91,7 @@ def td_target(
     Eq. 9 in place of SAC's entropy. ``discount`` is gamma, or 0 after a terminal state; a time
     limit is none, so it bootstraps. Time is counted in skills, not in control steps.
     """
-    return reward + discount * (next_q - alpha * kl)
+    return torch.addcmul(reward, discount, next_q - alpha * kl)
 
 
 def critic_loss(q: Tensor, target: Tensor) -> tuple[Tensor, Tensor]:

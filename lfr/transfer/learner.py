@@ -91,7 +91,8 @@ class Learner:
             alpha, group = self.temperature(), slice(first * size, last * size)
             prior = batch.next_prior_mu[group], batch.next_prior_log_sigma[group]
             ahead = self.foresee(later.policy[group], noise[0][group], *prior)
-            for k, next_z, kl in zip(range(first, last), *(x.split(size) for x in ahead)):
+            steps = (range(first, last), *(x.split(size) for x in ahead))
+            for k, next_z, kl in zip(*steps, strict=True):
                 rows = slice(k * size, (k + 1) * size)
                 target = self.targets(parts[k], alpha, later.critics[rows], next_z, kl)
                 infos.append(self.teach(now.critics[rows], parts[k].z, target, alpha))

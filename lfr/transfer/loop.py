@@ -162,11 +162,11 @@ class TransferLoop:
         discounts = torch.tensor(
             [0.0 if outcomes[i].terminated else self.params.gamma for i in keep]
         )
-        with torch.no_grad():
-            prior, next_prior = self.actor.prior(observations[keep]), self.actor.prior(after)
-        self.replay.add(
-            Batch(observations[keep], z[keep], rewards, discounts, after, *prior, *next_prior)
-        )
+        before = observations[keep]
+        with torch.no_grad():  # of both at once: with rows this few, a call costs what they do not
+            mu, log_sigma = (x.chunk(2) for x in self.actor.prior(torch.cat([before, after])))
+        priors = mu[0], log_sigma[0], mu[1], log_sigma[1]
+        self.replay.add(Batch(before, z[keep], rewards, discounts, after, *priors))
 
     def _update(self) -> None:
         """The updates that are due: ``updates_per_skill`` for each skill since the first batch."""

@@ -43,18 +43,26 @@ class OtherTaskPrior(nn.Module):
         self.columns, self.latent_dim = tuple(columns), latent_dim
         self.hidden, self.layers = hidden, layers
         self.inner = SkillPrior(inner_names, latent_dim, hidden, layers, turned)
-        # Into the observation with the inner prior's means behind it.
-        size = len(self.layout_names)
-        found = [size + place if c < 0 else c for place, c in enumerate(self.columns)]
-        self.register_buffer("places", torch.tensor(found), persistent=False)
+        places = places_of(self.columns, len(self.layout_names))
+        self.register_buffer("places", places, persistent=False)
 
     def forward(self, observations: Tensor) -> tuple[Tensor, Tensor]:
         return self.inner(self.asked(observations))
 
     def asked(self, observations: Tensor) -> Tensor:
         """What the inner prior is asked about, in its own layout, for observations (B, D)."""
-        means = self.inner.normalizer.mean.expand(len(observations), -1)
-        return torch.cat([observations, means], dim=-1)[:, self.places]
+        return in_places(observations, self.inner.normalizer.mean, self.places)
+
+
+def places_of(columns: Sequence[int], size: int) -> Tensor:
+    """Where an inner prior's inputs stand in an observation of ``size`` with its means behind."""
+    return torch.tensor([size + place if c < 0 else c for place, c in enumerate(columns)])
+
+
+def in_places(observations: Tensor, means: Tensor, places: Tensor) -> Tensor:
+    """The inner prior's inputs (B, I) in observations (B, D), and its means (I,) for the rest."""
+    means = means.expand(len(observations), -1)
+    return torch.cat([observations, means], dim=-1)[:, places]
 
 
 OTHER_TASK = ModelKind(

@@ -8,18 +8,19 @@ import torch
 from torch import Tensor, nn
 
 from lfr.model_files import ModelKind
-from lfr.skills.gaussian import LOG_SIGMA_RANGE
 from lfr.skills.normalizer import Normalizer
 from lfr.skills.prior import SkillPrior
-from studies.spirl.other_task import OTHER_TASK, OtherTaskPrior
+from studies.spirl.other_task import OTHER_TASK, OtherTaskPrior, in_places, places_of
 
 
-class ResidualPriorPolicy(nn.Module):
-    """Observations (B, D) to (mu, log_sigma), (B, Z) each: a prior with all of D beside its inputs.
+class ResidualPriorPolicy(SkillPrior):
+    """A skill prior that sees what the inner prior is asked about, and all of D beside it.
 
-    What the prior is not asked about enters its first layer by weights of their own, which begin
-    at zero: before it learns, the policy answers as the prior does.
+    What the inner prior is not asked about has weights in the first layer that begin at zero:
+    before it learns, the policy answers as the prior does.
     """
+
+    places: Tensor
 
     def __init__(
         self,
@@ -31,26 +32,17 @@ class ResidualPriorPolicy(nn.Module):
         layers: int,
         turned: bool = False,
     ) -> None:
-        super().__init__()
-        self.prior = OtherTaskPrior(
-            layout_names, inner_names, columns, latent_dim, hidden, layers, turned
-        )  # fmt: skip
-        self.layout_names, self.inner_names = self.prior.layout_names, self.prior.inner_names
-        self.columns, self.latent_dim = self.prior.columns, latent_dim
-        self.hidden, self.layers = hidden, layers
-        self.turned = turned
-        self.normalizer = Normalizer(self.layout_names, turned=turned)
-        self.residual = nn.Linear(self.normalizer.size, hidden, bias=False)
-        nn.init.zeros_(self.residual.weight)
+        super().__init__(layout_names, latent_dim, hidden, layers, turned)
+        self.inner_names, self.columns = tuple(inner_names), tuple(columns)
+        self.inner_normalizer = Normalizer(self.inner_names, turned=turned)
+        places = places_of(self.columns, len(self.layout_names))
+        self.register_buffer("places", places, persistent=False)
+        self.network[0] = nn.Linear(self.inner_normalizer.size + self.normalizer.size, hidden)
 
-    def forward(self, observations: Tensor) -> tuple[Tensor, Tensor]:
-        first, *rest = self.prior.inner.network
-        asked = self.prior.inner.normalizer(self.prior.asked(observations))
-        x = first(asked) + self.residual(self.normalizer(observations))
-        for layer in rest:
-            x = layer(x)
-        mu, log_sigma = x.chunk(2, dim=-1)
-        return mu, log_sigma.clamp(*LOG_SIGMA_RANGE)
+    def features(self, observations: Tensor) -> Tensor:
+        """What the inner prior sees of observations (B, D), then all of them: (B, inputs)."""
+        asked = in_places(observations, self.inner_normalizer.mean, self.places)
+        return torch.cat([self.inner_normalizer(asked), self.normalizer(observations)], dim=-1)
 
 
 RESIDUAL_PRIOR = ModelKind("residual_prior_policy", ResidualPriorPolicy, OTHER_TASK.shape)
@@ -61,6 +53,10 @@ def residual_prior(prior: OtherTaskPrior, reference: SkillPrior) -> ResidualPrio
     """A policy that begins as ``prior``; it sees the rest in the units of ``reference``."""
     shape = (prior.layout_names, prior.inner_names, prior.columns, prior.latent_dim)
     policy = ResidualPriorPolicy(*shape, prior.hidden, prior.layers, reference.turned)
-    policy.prior.load_state_dict(prior.state_dict())
     policy.normalizer.load_state_dict(reference.normalizer.state_dict())
+    policy.inner_normalizer.load_state_dict(prior.inner.normalizer.state_dict())
+    weights = prior.inner.network.state_dict()
+    first = weights["0.weight"]
+    beside = first.new_zeros(len(first), policy.normalizer.size)
+    policy.network.load_state_dict(weights | {"0.weight": torch.cat([first, beside], dim=-1)})
     return policy

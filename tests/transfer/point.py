@@ -69,8 +69,10 @@ class PointSimulation:
 class DirectDecoder(SkillVAE):
     """Every action of the skill is tanh(z): what the point does is what was chosen."""
 
-    def decode(self, z: torch.Tensor, observations: torch.Tensor | None = None) -> torch.Tensor:
-        return torch.tanh(z)[:, None, :].expand(-1, self.horizon, -1)
+    def reconstruct(
+        self, z: torch.Tensor, observations: torch.Tensor | None = None, steps: int | None = None
+    ) -> torch.Tensor:
+        return torch.tanh(z)[:, None, :].expand(-1, steps or self.horizon, -1)
 
 
 class Models(NamedTuple):

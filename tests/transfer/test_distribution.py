@@ -8,7 +8,7 @@ from torch.distributions import Normal, TransformedDistribution
 from torch.distributions.transforms import TanhTransform
 
 from lfr.errors import UnknownNameError
-from lfr.transfer.distribution import GAUSSIAN, SQUASHED, distribution, tempered
+from lfr.transfer.distribution import GAUSSIAN, SQUASHED, distribution, tempered, tempered_slope
 
 
 @pytest.fixture
@@ -71,3 +71,21 @@ def test_a_tempered_divergence_grows_by_its_logarithm_beyond_the_limit():
 def test_a_limit_of_zero_leaves_the_divergence_as_it_is():
     divergence = torch.tensor([0.0, 3.0, 1.5e5])
     assert tempered(divergence, 0.0) is divergence
+
+
+@pytest.mark.parametrize("limited", [False, True])
+@pytest.mark.parametrize("drawn_from", [GAUSSIAN, SQUASHED])
+def test_slopes_are_autograds(drawn, drawn_from, limited):
+    """Of any sum of what is drawn and of what is charged for it, half of it beyond the limit."""
+    mu, log_sigma, noise = (one.double() for one in drawn)
+    mu, log_sigma = mu.requires_grad_(), log_sigma.requires_grad_()
+    prior = [one.double() for one in (drawn[2], drawn[1])]
+    by_skill, by_charge = drawn[2].double(), drawn[0][:, 0].double()
+    z = drawn_from.skill(mu, log_sigma, noise)
+    divergence = drawn_from.divergence(mu, log_sigma, noise, *prior)
+    limit = float(divergence.detach().median()) if limited else 0.0
+    charged = tempered(divergence, limit)
+    wanted = torch.autograd.grad([z, charged], [mu, log_sigma], [by_skill, by_charge])
+    by_divergence = tempered_slope(divergence, limit) * by_charge
+    found = drawn_from.slopes(mu, log_sigma, noise, *prior, by_skill, by_divergence)
+    torch.testing.assert_close(found, wanted, rtol=1e-10, atol=1e-10)

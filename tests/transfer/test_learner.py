@@ -11,6 +11,7 @@ from torch.distributions.kl import kl_divergence
 
 from lfr.errors import ParameterError
 from lfr.params import from_mapping
+from lfr.transfer.distribution import GAUSSIAN, SQUASHED, tempered
 from lfr.transfer.learner import Learner
 from lfr.transfer.replay import Batch
 from lfr.transfer.transfer_params import TransferParams
@@ -206,3 +207,51 @@ def test_the_policy_climbs_what_autograd_says(artifacts, params, target_subset):
     value, slope = learner.value(q.detach())
     torch.testing.assert_close(value, expected.detach())
     torch.testing.assert_close(slope, torch.autograd.grad(expected, q)[0])
+
+
+@pytest.mark.parametrize("dtype", [torch.float32, torch.float64])
+@pytest.mark.parametrize("drawn_from", [GAUSSIAN, SQUASHED])
+@pytest.mark.parametrize(
+    "changes",
+    [{}, {"divergence_limit": 0.5, "min_sigma": 0.3}, {"divergence_limit": 0.0, "train_phi": False},
+     {"critics": 5, "target_subset": 2}, {"layer_norm": False, "fixed_alpha": True}],
+)  # fmt: skip
+def test_the_policys_gradient_is_autograds_of_equation_9(
+    artifacts, params, changes, drawn_from, dtype
+):
+    """Policy, critics and what is climbed as one function of the policy's parameters."""
+    changed = dataclasses.replace(params, **changes)
+    torch.manual_seed(0)
+    start = lfr_initialization(artifacts, changed)
+    policy = start.actor.policy.to(dtype)
+    with torch.no_grad():
+        for parameter in policy.parameters():
+            parameter.add_(0.2 * torch.randn_like(parameter))
+    reference = copy.deepcopy(policy)
+    learner = Learner(policy, start.normalizer, 3, 2, changed, torch.Generator(), drawn_from)
+    critics, alpha = learner.critics, torch.tensor(0.3, dtype=dtype)
+    critics.normalizer.to(dtype)
+    critics._hold(torch.randn_like(critics.vector, dtype=dtype))
+    observation, noise, *prior = (torch.randn(12, n, dtype=dtype) for n in (3, 2, 2, 2))
+
+    mu, log_sigma = reference(observation)
+    z = drawn_from.skill(mu, log_sigma, noise)
+    x = torch.cat([critics.inputs(observation), z], -1)
+    q = torch.stack([member(critics, e)(x).squeeze(-1) for e in range(changed.critics)])
+    value = q.mean() if changed.target_subset else q.min(0).values.mean()
+    kl = tempered(drawn_from.divergence(mu, log_sigma, noise, *prior), changed.divergence_limit)
+    assert not changes.get("divergence_limit") or (kl > changed.divergence_limit).any()
+    learns = [p for p in reference.parameters() if p.requires_grad]
+    wanted = torch.autograd.grad(0.3 * kl.mean() - value, learns)
+
+    found: list[Tensor] = []
+    learner.policy_adam.descend = lambda gradient: found.append(gradient.clone())
+    learner.alpha_adam.descend = lambda gradient: None
+    nothing = torch.zeros(12, dtype=dtype)
+    batch = Batch(observation, z, nothing, nothing, observation, *prior, *prior)
+    info = learner.improve(batch, learner.see(observation), alpha, noise)
+    near = 1e-10 if dtype == torch.float64 else 1e-3
+    expected = torch.cat([g.t().reshape(-1) for g in wanted])
+    torch.testing.assert_close(found[0], expected, rtol=near, atol=0.1 * near)
+    torch.testing.assert_close(info["policy_loss"], (0.3 * kl.mean() - value).detach())
+    torch.testing.assert_close(info["kl"], kl.mean().detach())
