@@ -7,7 +7,6 @@ from collections.abc import Sequence
 
 import torch
 from torch import Tensor, nn
-from torch.nn import functional as F
 
 from lfr.networks.ensemble import Shape, Trace, differentiate, evaluate
 
@@ -101,4 +100,5 @@ def critic_loss(q: Tensor, target: Tensor) -> tuple[Tensor, Tensor]:
         The loss and its gradient by q, (E, B).
     """
     error = q - target
-    return len(q) * F.mse_loss(q, target.expand_as(q)), error * (2.0 / q.shape[1])
+    slope = error * (2.0 / q.shape[1])
+    return 0.5 * (error * slope).sum(), slope

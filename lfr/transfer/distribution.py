@@ -100,7 +100,7 @@ class SquashedGaussian:
         return by_u, by_u * spread - by_divergence[:, None]
 
 
-def tempered(divergence: Tensor, limit: float) -> Tensor:
+def tempered(divergence: Tensor, limit: float) -> tuple[Tensor, Tensor]:
     """D, and beyond the limit c its logarithm, c (1 + ln(D / c)): (B,) nats to (B,) nats.
 
     Value and slope are continuous at c. A prior is sure of itself where no demonstration has been
@@ -108,18 +108,14 @@ def tempered(divergence: Tensor, limit: float) -> Tensor:
     outweighs all others in Eq. 9 and in the TD target. By D ~ |mu - mu_p|^2 the slope beyond c
     falls as 2c / |mu - mu_p|, so the policy is still pulled back. SPiRL clips instead, at 100
     nats, where the pull ends. A limit of 0 leaves D as it is (the paper).
+
+    Returns:
+        The value, and its slope by D, 1 or beyond the limit c / D.
     """
     if limit == 0.0:
-        return divergence
-    beyond = limit + limit * (divergence / limit).clamp(min=1.0).log()
-    return torch.where(divergence > limit, beyond, divergence)
-
-
-def tempered_slope(divergence: Tensor, limit: float) -> Tensor:
-    """d tempered / dD, (B,): 1, and beyond the limit c / D."""
-    if limit == 0.0:
-        return torch.ones_like(divergence)
-    return limit / divergence.clamp(min=limit)
+        return divergence, torch.ones_like(divergence)
+    beyond = (divergence / limit).clamp_(min=1.0)  # D / c, 1 below the limit
+    return torch.add(divergence.clamp(max=limit), beyond.log(), alpha=limit), beyond.reciprocal()
 
 
 GAUSSIAN, SQUASHED = Gaussian(), SquashedGaussian()

@@ -11,7 +11,7 @@ from torch import Tensor, nn
 from lfr.networks.device import CPU
 from lfr.networks.optimizer import FlatAdam
 from lfr.transfer.critic import CriticEnsemble, critic_loss, pessimistic, td_target
-from lfr.transfer.distribution import GAUSSIAN, Distribution, tempered, tempered_slope
+from lfr.transfer.distribution import GAUSSIAN, Distribution, tempered
 from lfr.transfer.extended_policy import MappedPolicy
 from lfr.transfer.learning_policy import LearningPolicy
 from lfr.transfer.replay import Batch
@@ -107,10 +107,14 @@ class Learner:
         return Inputs(self.critics.inputs(observation), self.policy.features(observation))
 
     def foresee(self, features: Tensor, noise: Tensor, *prior: Tensor) -> tuple[Tensor, Tensor]:
-        """The policy's skills (B, Z) in states of these features, and their divergence (B,)."""
+        """The policy's skills (B, Z) in states of these features, and their divergence (B,).
+
+        The divergence is tempered, from the prior's (mu, log_sigma): what Eq. 9 charges.
+        """
         mu, log_sigma, _ = self.policy.evaluate(features)
-        kl = self.divergence(mu, log_sigma, noise, *prior)
-        return self.distribution.skill(mu, log_sigma, noise), kl
+        kl = self.distribution.divergence(mu, log_sigma, noise, *prior)
+        z = self.distribution.skill(mu, log_sigma, noise)
+        return z, tempered(kl, self.params.divergence_limit)[0]
 
     def targets(
         self, batch: Batch, alpha: Tensor, next_inputs: Tensor, next_z: Tensor, kl: Tensor
@@ -128,11 +132,6 @@ class Learner:
         self.target.vector.lerp_(self.critics.vector, self.params.tau)
         self.updates += 1
         return {"critic_loss": loss, "q": q.mean(), "alpha": alpha}
-
-    def divergence(self, mu: Tensor, log_sigma: Tensor, noise: Tensor, *prior: Tensor) -> Tensor:
-        """KL to the prior's (mu, log_sigma), (B,), tempered: what Eq. 9 charges for a state."""
-        divergence = self.distribution.divergence(mu, log_sigma, noise, *prior)
-        return tempered(divergence, self.params.divergence_limit)
 
     def subset(self) -> Tensor | None:
         """REDQ: the members (target_subset,) whose minimum this update's target takes."""
@@ -154,11 +153,10 @@ class Learner:
         value, by_q = self.value(q)
         by_z = self.critics.by_skill(traces, -by_q)
         drawn = (mu, log_sigma, noise, batch.prior_mu, batch.prior_log_sigma)
-        divergence, limit = self.distribution.divergence(*drawn), self.params.divergence_limit
-        by_kl = tempered_slope(divergence, limit) * (alpha / len(divergence))
-        slopes = self.distribution.slopes(*drawn, by_z, by_kl)
+        kl, by_kl = tempered(self.distribution.divergence(*drawn), self.params.divergence_limit)
+        slopes = self.distribution.slopes(*drawn, by_z, by_kl * (alpha / len(kl)))
         self.policy_adam.descend(self.policy.by_parameters(trace, *slopes))
-        kl = tempered(divergence, limit).mean()
+        kl = kl.mean()
         if not self.params.fixed_alpha:
             self.alpha_adam.descend(self.temperature.gradient(kl, self.params.target_divergence))
         return {"policy_loss": alpha * kl - value, "kl": kl, "sigma": log_sigma.mean().exp()}
