@@ -67,22 +67,29 @@ def train_vae(
     adam = FlatAdam(flatten_parameters(vae), params.learning_rate)
     # cuDNN would have each LSTM's weights by themselves; here they are parts of one vector
     warnings.filterwarnings("ignore", message="RNN module weights are not part")
-    for step, (batch, drawn) in enumerate(_windows(actions, names, params, generator)):
-        seen = None if states is None else states[drawn].to(device)
-        with torch.no_grad():
-            J = None if jacobian is None or seen is None else jacobian(seen)
-        loss, _ = vae_loss(vae, batch.to(device), params.alpha, seen, J)
+    batches = _batches(vae, actions, names, params, generator, states, jacobian)
+    for step, (batch, features, J) in enumerate(batches):
+        loss, _ = vae_loss(vae, batch, params.alpha, features, J)
         gradient = torch.cat([g.reshape(-1) for g in torch.autograd.grad(loss, weights)])
         adam.lr = annealed(params.learning_rate, step, params.steps)
         adam.descend(clip_norm(gradient, MOST_NORM))
     return vae.cpu().eval()
 
 
-def _windows(
-    actions: Tensor, names: Sequence[str], params: VAEParams, generator: torch.Generator
-) -> Iterator[tuple[Tensor, Tensor]]:
-    """A batch (B, H, A) for each step, some of its windows augmented, and their numbers (B,)."""
+def _batches(
+    vae: SkillVAE,
+    actions: Tensor,
+    names: Sequence[str],
+    params: VAEParams,
+    generator: torch.Generator,
+    states: Tensor | None,
+    jacobian: HandJacobian | None,
+) -> Iterator[tuple[Tensor, Tensor | None, Tensor | None]]:
+    """For each step windows (B, H, A), some of them augmented, and of where they begin what the
+    VAE sees, (B, F), and the hand's Jacobian, (B, 6, A - 1); on the device of the VAE.
+    """
     augmented = round(params.augment * params.batch)
+    device = vae.output.weight.device
     for first in range(0, params.steps, STEPS_AT_ONCE):
         steps = min(STEPS_AT_ONCE, params.steps - first)
         drawn = torch.randint(len(actions), (steps, params.batch), generator=generator)
@@ -90,7 +97,15 @@ def _windows(
         if augmented:
             made = augment(batches[:, :augmented].flatten(0, 1), names, generator)
             batches[:, :augmented] = made.unflatten(0, (steps, augmented))
-        yield from zip(batches, drawn, strict=True)
+        features, J = [None] * steps, [None] * steps
+        if states is not None:
+            seen = states[drawn.flatten()].to(device)
+            with torch.no_grad():
+                if vae.state_names:
+                    features = vae.features(seen).unflatten(0, (steps, params.batch))
+                if jacobian is not None:
+                    J = jacobian(seen).unflatten(0, (steps, params.batch))
+        yield from zip(batches.to(device), features, J, strict=True)
 
 
 @dataclass(frozen=True)

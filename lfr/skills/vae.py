@@ -57,8 +57,14 @@ class SkillVAE(Conditioned):
         Args:
             observations: (B, D), where they begin; needed where it sees of the state at all.
         """
-        seen = [part[:, None].expand(-1, self.horizon, -1) for part in self._seen(observations)]
-        _, (hidden, _) = self.encoder(torch.cat([actions, *seen], dim=-1))
+        return self.encode_beside(actions, self._seen(observations))
+
+    def encode_beside(self, actions: Tensor, features: Tensor | None) -> tuple[Tensor, Tensor]:
+        """`encode`, given the `features` (B, F) of the observations; None where it sees nothing."""
+        if features is not None:
+            features = features[:, None].expand(-1, self.horizon, -1)
+            actions = torch.cat([actions, features], dim=-1)
+        _, (hidden, _) = self.encoder(actions)
         mu, log_sigma = self.posterior(hidden[-1]).chunk(2, dim=-1)
         return mu, log_sigma.clamp(*LOG_SIGMA_RANGE)
 
@@ -87,12 +93,19 @@ class SkillVAE(Conditioned):
             observations: (B, D), where the skills begin; needed where it sees of the state at all.
             steps: of the H actions, the first so many alone.
         """
-        z = torch.cat([z, *self._seen(observations)], dim=-1)
+        return self.reconstruct_beside(z, self._seen(observations), steps)
+
+    def reconstruct_beside(
+        self, z: Tensor, features: Tensor | None, steps: int | None = None
+    ) -> Tensor:
+        """`reconstruct`, given the `features` (B, F) of the observations, or None."""
+        if features is not None:
+            z = torch.cat([z, features], dim=-1)
         hidden, cell = self.initial(z).chunk(2, dim=-1)
         repeated = z[:, None, :].expand(-1, steps or self.horizon, -1)  # (B, H, Z + F)
         state = (hidden[None].contiguous(), cell[None].contiguous())
-        features, _ = self.decoder(repeated.contiguous(), state)
-        return self.output(features)
+        decoded, _ = self.decoder(repeated.contiguous(), state)
+        return self.output(decoded)
 
     def decode(self, z: Tensor, observations: Tensor | None = None) -> Tensor:
         """Actions that an arm can execute, clipped to [-1, 1], (B, H, A)."""
@@ -102,13 +115,13 @@ class SkillVAE(Conditioned):
         """The first ``execute`` of the actions to be decoded, (B, execute, A)."""
         return self.reconstruct(z, observations, self.execute).clamp(-1.0, 1.0)
 
-    def _seen(self, observations: Tensor | None) -> tuple[Tensor, ...]:
-        """``(features,)`` of the observations, (B, F), or nothing where it sees nothing of them."""
+    def _seen(self, observations: Tensor | None) -> Tensor | None:
+        """The features (B, F) of the observations, or None where it sees nothing of them."""
         if not self.state_names:
-            return ()
+            return None
         if observations is None:
             raise ValueError("this skill VAE sees the state; give it the observations too")
-        return (self.features(observations),)
+        return self.features(observations)
 
 
 JOINTS_SHARE = 0.3
@@ -135,10 +148,10 @@ def vae_loss(
     vae: SkillVAE,
     actions: Tensor,
     alpha: float,
-    observations: Tensor | None = None,
+    features: Tensor | None = None,
     jacobian: Tensor | None = None,
 ) -> tuple[Tensor, dict[str, Tensor]]:
-    """Eq. 2 and the first two terms of Eq. 3 for actions (B, H, A) from observations (B, D) on.
+    """Eq. 2 and the first two terms of Eq. 3 for actions (B, H, A).
 
     Eq. 3 prints the reconstruction of ``z_i`` and sums over i = 1..H; it must be the actions',
     since the sum runs over the horizon. Here it is the mean over batch, horizon and action
@@ -146,10 +159,11 @@ def vae_loss(
     across H.
 
     Args:
+        features: (B, F), what the VAE sees of the states in which they begin, if it sees these.
         jacobian: of the hand by the joints, (B, 6, A - 1), where errors count at the hand.
     """
-    mu, log_sigma = vae.encode(actions, observations)
-    reconstruction = vae.reconstruct(sample(mu, log_sigma), observations)
+    mu, log_sigma = vae.encode_beside(actions, features)
+    reconstruction = vae.reconstruct_beside(sample(mu, log_sigma), features)
     error = action_error(reconstruction - actions, jacobian)
     divergence = kl_to_standard_normal(mu, log_sigma).mean()
     loss = error + alpha * divergence

@@ -113,7 +113,7 @@ def test_training_spends_its_latents_on_what_moves_the_hand() -> None:
 def test_the_loss_is_that_of_its_parts() -> None:
     vae, actions, seen, J = conditioned(), windows(6), poses(6), torch.randn(6, 6, 7)
     torch.manual_seed(1)
-    loss, info = vae_loss(vae, actions, 0.25, seen, J)
+    loss, info = vae_loss(vae, actions, 0.25, vae.features(seen), J)
     mu, log_sigma = vae.encode(actions, seen)
     torch.manual_seed(1)
     z = mu + log_sigma.exp() * torch.randn(mu.shape)
