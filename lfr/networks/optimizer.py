@@ -25,6 +25,9 @@ def flatten_parameters(module: nn.Module) -> Tensor:
     return flat
 
 
+fused_adamw = torch.ops.aten._fused_adamw_.default
+
+
 class FlatAdam:
     """Adam (Kingma and Ba 2014, Algorithm 1) on one vector of parameters; AdamW with a decay.
 
@@ -53,7 +56,7 @@ class FlatAdam:
     @torch.no_grad()
     def descend(self, gradient: Tensor) -> None:
         """One step down a gradient (P,)."""
-        torch._fused_adamw_(
+        fused_adamw(
             [self.flat], [gradient], [self.mean], [self.square], [], [self.count.add_(1.0)],
             lr=self.lr, beta1=self.betas[0], beta2=self.betas[1], weight_decay=self.decay,
             eps=self.epsilon, amsgrad=False, maximize=False,

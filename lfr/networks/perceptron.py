@@ -60,8 +60,15 @@ def perceptrons(networks: Sequence[nn.Sequential]) -> tuple[Tensor, Tensor, list
 
 
 def shape_of(networks: Sequence[nn.Sequential]) -> Shape:
-    """The shape of perceptrons as an ensemble, alike but for the number of their inputs."""
+    """The shape of perceptrons as an ensemble, alike but for the number of their inputs.
+
+    Raises:
+        ValueError: there is something else in one than linear layers and leaky ReLUs.
+    """
     linears = linears_of(networks[0])
+    for layer in (layer for network in networks for layer in network):
+        if not isinstance(layer, nn.Linear | nn.LeakyReLU):
+            raise ValueError(f"found {type(layer).__name__}, expected linear layers and LeakyReLU")
     slopes = {layer.negative_slope for layer in networks[0] if isinstance(layer, nn.LeakyReLU)}
     inputs = max(linears_of(network)[0].in_features for network in networks)
     return Shape(

@@ -53,6 +53,12 @@ def test_what_is_done_to_the_vector_is_done_to_the_networks() -> None:
         ):
             assert torch.equal(now, was), name
     vector.mul_(2.0)
-    assert torch.equal(other[0].weight, 2.0 * kept[1][0].weight)
+    first = [each.state_dict()["0.weight"] for each in (kept[0], kept[1], other)]
+    assert torch.equal(first[2], 2.0 * first[1])
     one.load_state_dict(kept[0].state_dict())  # which copies into the views
-    assert torch.equal(vector[: 4 * 8], kept[0][0].weight.detach().t().reshape(-1))
+    assert torch.equal(vector[: 4 * 8], first[0].t().reshape(-1))
+
+
+def test_what_has_no_gradient_here_is_refused() -> None:
+    with pytest.raises(ValueError, match="found SiLU"):
+        perceptrons([nn.Sequential(nn.Linear(3, 4), nn.SiLU(), nn.Linear(4, 2))])
