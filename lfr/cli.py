@@ -21,6 +21,7 @@ COMMANDS = {
     "verify": ("check a dataset for all that can be wrong", "lfr.curation.verify_command"),
     "replay": ("run recorded actions and compare the states", "lfr.curation.replay_command"),
     "recover": ("mend a cut-off MCAP log", "lfr.curation.recover_command"),
+    "diff": ("what changed between two datasets, or leaks", "lfr.curation.diff_command"),
     "edit": ("delete, split or merge episodes of datasets", "lfr.curation.edit_command"),
     "card": ("write the cards of datasets and models", "lfr.hub.card_command"),
     "publish": ("publish a dataset or models, checked and whole", "lfr.hub.publish_command"),

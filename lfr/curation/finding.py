@@ -52,7 +52,7 @@ class Finding:
 
     def __str__(self) -> str:
         """One line for a terminal."""
-        where = [self.file] if self.file else []
+        where = [short(self.file)] if self.file else []
         named = {"episode": self.episode, "column": self.column or None, "row": self.row}
         if self.frames is not None:
             named |= {"row": None, "frames": "{} to {}".format(*self.frames)}
@@ -103,9 +103,10 @@ class Finding:
 
 
 def short(value: object) -> str:
-    """A value in a line of no more than 200 letters."""
+    """A value on a line of at most 200 letters, none of which a terminal obeys."""
     text = f"{value:.9g}" if isinstance(value, float) else str(value)
     text = " ".join(text.split())
+    text = "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
     return text if len(text) <= 200 else f"{text[:197]}..."
 
 
