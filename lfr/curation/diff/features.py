@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
 from lfr.curation.contents import INFO
@@ -83,19 +83,19 @@ def _feature(key: str, a: Mapping[str, Any], b: Mapping[str, Any]) -> Iterator[D
 
 def _columns(a: Side, b: Side) -> Iterator[Difference]:
     """Of meta/episodes; the statistics of a feature count as one."""
-    ours, theirs = _names(a), _names(b)
+    both = set(a.contents.features) & set(b.contents.features)
+    ours, theirs = (_names(side, both) for side in (a, b))
+    message = "a column of meta/episodes that {} has not"
     for name in ours:
         if name not in theirs:
-            yield Difference("episode-column", "a column of meta/episodes that B has not",
-                             column=name)  # fmt: skip
+            yield Difference("episode-column", message.format("B"), column=name)
     for name in theirs:
         if name not in ours:
-            yield Difference("episode-column", "a column of meta/episodes that A has not",
-                             column=name)  # fmt: skip
+            yield Difference("episode-column", message.format("A"), column=name)
 
 
-def _names(side: Side) -> list[str]:
-    stats = [name.rpartition("/")[0] for name in side.contents.episodes.column_names
-             if name.startswith("stats/")]  # fmt: skip
-    both = [name for name in stats if name.removeprefix("stats/") in side.contents.features]
-    return kept_columns(side) + list(dict.fromkeys(both))
+def _names(side: Side, features: Collection[str]) -> list[str]:
+    names = side.contents.episodes.column_names
+    stats = (n.removeprefix("stats/").rpartition("/")[0] for n in names if n.startswith("stats/"))
+    of_features = dict.fromkeys(f"stats/{key}" for key in stats if key in features)
+    return [*kept_columns(side), *of_features]

@@ -166,7 +166,7 @@ def _of_index(
     pairs = [(one, place[key]) for one, key in keys.items() if key in place]
     if len(found.pairs) >= len(found.a):
         return pairs
-    if not pairs or of is None:
+    if len(pairs) < SHARE * min(len(found.a), len(found.b)) or of is None:
         return []
     x, y = (
         np.concatenate([track.values[side.rows(pair[i])] for pair in pairs])
