@@ -39,7 +39,7 @@ PAGES = {
     "browse.md": ("view",),
     "bring-a-dataset.md": ("import",),
     "publish.md": ("publish", "card"),
-    "trust.md": ("verify", "replay", "recover"),
+    "trust.md": ("verify", "replay", "recover", "diff"),
 }
 OTHERS = {"--push-to-hub"}  # of a command of LeRobot that `lfr import` prints
 

@@ -26,7 +26,7 @@ class Recording:
     pictures: list[np.ndarray]
 
 
-def recording(episodes: int = 16, seed: int = 0) -> Recording:
+def recording(episodes: int = 16, seed: int = 0, *, drawn: bool = True) -> Recording:
     """Each reaches from where it happens to stand to where something happens to lie, and grasps."""
     random = np.random.default_rng(seed)
     states, actions, pictures = [], [], []
@@ -42,7 +42,8 @@ def recording(episodes: int = 16, seed: int = 0) -> Recording:
         noise = random.normal(0, 2e-4, (2, length, 4))
         states.append((state + noise[0]).astype(np.float32))
         actions.append((target + noise[1]).astype(np.float32))
-        pictures.append(np.stack([picture(one) for one in states[-1]]))
+        if drawn:
+            pictures.append(np.stack([picture(one) for one in states[-1]]))
     return Recording(states, actions, pictures)
 
 

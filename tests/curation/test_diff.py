@@ -198,7 +198,9 @@ def test_episodes_of_which_all_is_changed_are_found_by_their_seed(sound: Path, c
 
 def test_two_recordings_have_nothing_in_common(tmp_path: Path) -> None:
     """Though some of their episodes have the same number and length."""
-    a, b = (arm.write(tmp_path / str(seed), arm.recording(40, seed)) for seed in (1, 2))
+    a, b = (
+        arm.write(tmp_path / str(seed), arm.recording(40, seed, drawn=False)) for seed in (1, 2)
+    )
     lengths = [Contents.open(each).lengths for each in (a, b)]
     assert (lengths[0] == lengths[1]).any()
     found = compare_datasets(a, b)
@@ -207,7 +209,7 @@ def test_two_recordings_have_nothing_in_common(tmp_path: Path) -> None:
 
 
 def test_an_episode_that_was_cut(tmp_path: Path) -> None:
-    whole = arm.recording(6)
+    whole = arm.recording(6, drawn=False)
     a = arm.write(tmp_path / "a", whole)
     for episodes in (whole.states, whole.actions):
         episodes[2] = episodes[2][5:-3]
@@ -222,7 +224,7 @@ def test_an_episode_that_was_cut(tmp_path: Path) -> None:
 
 
 def test_episodes_with_noise_and_shifted_are_found(tmp_path: Path) -> None:
-    whole, random = arm.recording(6), np.random.default_rng(3)
+    whole, random = arm.recording(6, drawn=False), np.random.default_rng(3)
     a = arm.write(tmp_path / "a", whole)
     for episodes in (whole.states, whole.actions):
         episodes[:] = [e + random.normal(0, 2e-4, e.shape).astype(np.float32) for e in episodes]
@@ -339,7 +341,7 @@ def _without(dataset: Path, key: str) -> None:
 
 
 def test_dimensions_in_another_order_are_the_same(tmp_path: Path) -> None:
-    recorded = arm.recording(4)
+    recorded = arm.recording(4, drawn=False)
     a = arm.write(tmp_path / "a", recorded)
     recorded.states = [state[:, [2, 0, 1, 3]] for state in recorded.states]
     b = arm.write(tmp_path / "b", recorded)
@@ -354,7 +356,7 @@ def test_dimensions_in_another_order_are_the_same(tmp_path: Path) -> None:
 
 
 def test_a_dimension_more_leaves_the_others_comparable(tmp_path: Path) -> None:
-    recorded = arm.recording(3)
+    recorded = arm.recording(3, drawn=False)
     a = arm.write(tmp_path / "a", recorded)
     for i, state in enumerate(recorded.states):
         recorded.states[i] = np.concatenate([state[:, :1], state], axis=1)
@@ -370,7 +372,7 @@ def test_a_dimension_more_leaves_the_others_comparable(tmp_path: Path) -> None:
 
 
 def test_what_moved_furthest_comes_first(tmp_path: Path) -> None:
-    recorded = arm.recording(8)
+    recorded = arm.recording(8, drawn=False)
     a = arm.write(tmp_path / "a", recorded)
     before = np.concatenate(recorded.states).astype(np.float64)
     for state in recorded.states:
@@ -392,7 +394,7 @@ def test_what_moved_furthest_comes_first(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("factor", "said"), [(180 / np.pi, "degrees"), (1e-3, "millimetres")])
 def test_other_units_are_told_from_the_values(tmp_path: Path, factor: float, said: str) -> None:
-    recorded = arm.recording(8)
+    recorded = arm.recording(8, drawn=False)
     a = arm.write(tmp_path / "a", recorded)
     for state in recorded.states:
         state[:, :3] *= factor
@@ -406,7 +408,9 @@ def test_other_units_are_told_from_the_values(tmp_path: Path, factor: float, sai
 
 
 def test_of_other_episodes_of_the_same_task_no_unit_is_doubted(tmp_path: Path) -> None:
-    a, b = (arm.write(tmp_path / str(seed), arm.recording(20, seed)) for seed in (5, 6))
+    a, b = (
+        arm.write(tmp_path / str(seed), arm.recording(20, seed, drawn=False)) for seed in (5, 6)
+    )
     assert "unit" not in kinds(compare_datasets(a, b))
 
 

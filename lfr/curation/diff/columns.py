@@ -49,9 +49,8 @@ def shared_columns(a: Side, b: Side) -> tuple[list[Shared], list[str]]:
         if found is None:
             apart.append(key)
             continue
-        shared.append(found)
-        a.read_hashes(key, found.a)
-        b.read_hashes(key, found.b)
+        whole = [a.read_hashes(key, found.a), b.read_hashes(key, found.b)]
+        shared.append(found if all(whole) else Shared(key))
     return shared, apart
 
 

@@ -70,7 +70,11 @@ class Comparison:
         found = ", ".join(counts) if counts else nothing
         if not self.leakage:
             found = f"{self.same} the same; {found}"
-        rest = f"; not compared: {', '.join(self.not_compared)}" if self.not_compared else ""
+        rest = (
+            f"; not compared: {', '.join(map(short, self.not_compared))}"
+            if self.not_compared
+            else ""
+        )
         a, b = (short(path) for path in (self.a, self.b))
         return f"A {a}, B {b}: {self.episodes[0]} and {self.episodes[1]} episodes: {found}{rest}"
 

@@ -51,7 +51,7 @@ class Difference:
         if self.largest is not None:
             where.append(f"largest difference {self.largest:.3g}")
         more = f" (and {self.more} more)" if self.more else ""
-        line = f"{self.kind}: {self.message}"
+        line = f"{self.kind}: {short(self.message)}"
         return f"{line}: {', '.join(where)}{more}" if where else line
 
     def as_json(self) -> dict[str, Any]:
@@ -67,21 +67,22 @@ class Difference:
 
 
 def joined(differences: Iterable[Difference]) -> list[Difference]:
-    """With those of one kind, in words and column the same, in one line."""
-    lines: dict[tuple[str, str, str | None], Difference] = {}
-    for one in differences:
-        key = (one.kind, one.message, one.column)
-        before = lines.get(key) if one.episodes else None
-        if before is None:
-            lines[key if one.episodes else (one.kind, str(one), str(len(lines)))] = one
-            continue
-        sizes = [each for each in (before.largest, one.largest) if each is not None]
-        other = (short(before.a), short(before.b)) != (short(one.a), short(one.b))
-        lines[key] = replace(
-            before, episodes=before.episodes + one.episodes, rows=before.rows + one.rows,
-            largest=max(sizes, default=None), more=before.more + other,
-        )  # fmt: skip
-    return list(lines.values())
+    """With those of one kind, in words and column the same, in one line, if they name episodes."""
+    lines: dict[tuple[object, ...], list[Difference]] = {}
+    for number, one in enumerate(differences):
+        key = (one.kind, one.message, one.column, None if one.episodes else number)
+        lines.setdefault(key, []).append(one)
+    return [_one(line) for line in lines.values()]
+
+
+def _one(line: list[Difference]) -> Difference:
+    first = line[0]
+    sizes = [one.largest for one in line if one.largest is not None]
+    return replace(
+        first, episodes=tuple(pair for one in line for pair in one.episodes),
+        rows=sum(one.rows for one in line), largest=max(sizes, default=None),
+        more=sum((short(one.a), short(one.b)) != (short(first.a), short(first.b)) for one in line),
+    )  # fmt: skip
 
 
 def listed(episodes: Iterable[EpisodePair]) -> str:

@@ -84,7 +84,7 @@ def _rows(a: Side, b: Side, one: Shared, places: dict[Pair, Place]) -> Iterator[
             continue
         column, largest = one.key, None
         if one.is_numeric:
-            values = values or (a.values(one.key, one.a), b.values(one.key, one.b))
+            values = values or (a.all_values(one.key, one.a), b.all_values(one.key, one.b))
             before, after = (v[rows][differ].astype(np.float64)
                              for v, rows in zip(values, (x, y), strict=True))  # fmt: skip
             with np.errstate(invalid="ignore"):
@@ -101,7 +101,7 @@ def _times(a: Side, b: Side, found: Matching) -> Iterator[Difference]:
     """Rows at other times, to the tolerance that LeRobot has; those of stretches count anew."""
     if not found.pairs:
         return
-    x, y = (side.values(TIME, None)[:, 0].astype(np.float64) for side in (a, b))
+    x, y = (side.all_values(TIME, None)[:, 0].astype(np.float64) for side in (a, b))
     for pair in found.pairs:
         if found.offsets.get(pair) or a.length[pair[0]] != b.length[pair[1]]:
             continue

@@ -17,9 +17,10 @@ COUNTED = ("total_", "chunks_size", "data_path", "video_path", "features", "spli
 VIDEO = ("video.codec", "video.pix_fmt", "video.height", "video.width", "video.fps",
          "is_depth_map")  # fmt: skip
 
-PLACES = ("episode_index", "length", "dataset_from_index", "dataset_to_index", "data/", "videos/",
-          "meta/episodes/")  # fmt: skip
-"""Columns of meta/episodes that say where an episode is, and those that begin so."""
+NUMBERED = ("episode_index", "length", "dataset_from_index", "dataset_to_index")
+PLACES = ("data/", "videos/", "meta/episodes/", "stats/")
+"""Columns of meta/episodes that say where an episode is or follow from its rows, and how others
+begin."""
 
 
 def compare_features(a: Side, b: Side) -> Iterator[Difference]:
@@ -40,7 +41,7 @@ def compare_features(a: Side, b: Side) -> Iterator[Difference]:
 def kept_columns(side: Side) -> list[str]:
     """Columns of meta/episodes that say something of an episode, but for its statistics."""
     names = side.contents.episodes.column_names
-    return [name for name in names if not name.startswith((*PLACES, "stats/"))]
+    return [name for name in names if name not in NUMBERED and not name.startswith(PLACES)]
 
 
 def _info(a: Side, b: Side) -> Iterator[Difference]:

@@ -31,9 +31,16 @@ def numbers(array: pa.Array) -> NDArray | None:
         values: Any = values.flatten()  # pyright: ignore[reportAttributeAccessIssue]
     if pa.types.is_boolean(values.type):
         values = values.cast(pa.uint8())
-    if not (pa.types.is_integer(values.type) or pa.types.is_floating(values.type)) or not count:
+    if not is_numeric(values.type) or not count:
         return None
     return values.to_numpy(zero_copy_only=False).reshape(count, -1)
+
+
+def is_numeric(type: pa.DataType) -> bool:
+    """Whether a column's type is numbers, or lists of them."""
+    while _is_list(type):
+        type = type.value_type  # pyright: ignore[reportAttributeAccessIssue]
+    return pa.types.is_integer(type) or pa.types.is_floating(type) or pa.types.is_boolean(type)
 
 
 def row_hashes(array: pa.Array, dims: Sequence[int] | None = None) -> Hashes:
@@ -43,10 +50,15 @@ def row_hashes(array: pa.Array, dims: Sequence[int] | None = None) -> Hashes:
         dims: which of its numbers; None are all.
     """
     values = numbers(array)
-    if values is None:
-        return np.array([_hash(_plain(value)) for value in array.to_pylist()], np.uint64)
-    bits = _bits(values if dims is None else values[:, list(dims)])
-    return joined_hashes(list(bits.T), len(array))
+    if values is not None and (dims is None or max(dims, default=-1) < values.shape[1]):
+        bits = _bits(values if dims is None else values[:, list(dims)])
+        return joined_hashes(list(bits.T), len(array))
+    if array.null_count and _is_list(array.type):
+        found = np.zeros(len(array), np.uint64)
+        there = array.is_valid().to_numpy(zero_copy_only=False)
+        found[there] = row_hashes(array.drop_null(), dims)
+        return found
+    return np.array([_hash(_plain(value)) for value in array.to_pylist()], np.uint64)
 
 
 def joined_hashes(columns: Sequence[Hashes], count: int) -> Hashes:

@@ -81,8 +81,7 @@ def matched(a: Side, b: Side, shared: Sequence[Shared]) -> Matching:
     same seed, with rows in common, with nearly the same rows, with the same index and length.
     """
     found = Matching(a, b)
-    if not shared:
-        found.by_key(_indices(a), _indices(b), once=True)
+    if not shared and (a.length.any() or b.length.any()):
         return found
     rows = [_digests(side, shared) for side in (a, b)]
     words = [[(r, digest([side.words[side.rows(p)]])) for p, r in enumerate(of)]
@@ -118,10 +117,6 @@ def _offset(a: Side, b: Side, shared: Sequence[Shared], pair: Pair) -> int:
 def _digests(side: Side, shared: Sequence[Shared]) -> list[bytes]:
     columns = [side.hashes[one.key] for one in shared]
     return [digest(hashes[side.rows(p)] for hashes in columns) for p in range(len(side))]
-
-
-def _indices(side: Side) -> list[int]:
-    return side.episode.tolist()
 
 
 def seeds(side: Side, other: Side) -> list[str | None]:

@@ -71,7 +71,7 @@ def tracks(a: Side, b: Side, shared: Sequence[Shared]) -> tuple[Tracks, Tracks] 
         told = one.key == ACTION or one.key.startswith((f"{ACTION}.", "observation."))
         if not told or not one.is_numeric:
             continue
-        x, y = (_finite(side.values(one.key, of)) for side, of in ((a, one.a), (b, one.b)))
+        x, y = (_finite(side.all_values(one.key, of)) for side, of in ((a, one.a), (b, one.b)))
         spread = Signal(one.key, one.names, x, there).spread
         for part, values in zip(parts, (x, y), strict=True):
             scaled = values[:, spread > 0] / spread[spread > 0]

@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 
 from lfr.curation.checks.counts import task_words
 from lfr.curation.contents import EPISODES, Contents, runs
-from lfr.curation.diff.fingerprints import Hashes, numbers, row_hashes, text_hash
+from lfr.curation.diff.fingerprints import Hashes, is_numeric, numbers, row_hashes, text_hash
 from lfr.curation.finding import readable, unreadable
 from lfr.data.features import names_of
 from lfr.errors import DataError
 
 Rows = NDArray[np.int64]
-BATCH = 8192  # rows that are read at once
+BATCH, FEW = 8192, 64  # rows that are read at once: of numbers, and of pictures or words
 
 
 @dataclass
@@ -113,7 +113,9 @@ class Side:
                                 OSError, KeyError, IndexError, **where):  # fmt: skip
                     if column not in file.schema_arrow.names:
                         raise KeyError("no such column")
-                    for batch in file.iter_batches(BATCH, columns=[column], use_threads=False):
+                    kind = file.schema_arrow.field(column).type
+                    size = BATCH if is_numeric(kind) else FEW
+                    for batch in file.iter_batches(size, columns=[column], use_threads=False):
                         if len(batch):
                             yield batch.column(column)
 
@@ -128,26 +130,39 @@ class Side:
         names = names_of(self.contents.features.get(column, {}))
         return names if len(names) == size else [str(i) for i in range(size)]
 
-    def read_hashes(self, column: str, dims: Sequence[int] | None) -> None:
-        """Fill `hashes` with those of some of a column's dimensions; None are all."""
-        with readable(self.path), unreadable("schema", "values that cannot be read", ValueError,
-                                             IndexError, file="data", column=column):  # fmt: skip
-            found = [row_hashes(batch, dims) for batch in self.batches(column)]
-        self.hashes[column] = np.concatenate([np.zeros(0, np.uint64), *found])
+    def read_hashes(self, column: str, dims: Sequence[int] | None) -> bool:
+        """Fill `hashes` with those of some of a column's dimensions; None are all.
 
-    def values(self, column: str, dims: Sequence[int] | None) -> NDArray:
-        """(N, D) numbers of a column, of all rows.
+        Returns:
+            Whether all of its rows are as many numbers.
+        """
+        found: list[Hashes] = [np.zeros(0, np.uint64)]
+        sizes: set[int] = set()
+        with readable(self.path), unreadable("schema", "values that cannot be read", ValueError,
+                                             file="data", column=column):  # fmt: skip
+            for batch in self.batches(column):
+                found.append(row_hashes(batch, dims))
+                values = numbers(batch)
+                sizes.add(-1 if values is None else values.shape[1])
+        self.hashes[column] = np.concatenate(found)
+        return len(sizes) == 1 and min(sizes) >= 0
+
+    def values(self, column: str, dims: Sequence[int] | None) -> Iterator[NDArray]:
+        """(n, D) numbers of a column whose rows are as many numbers, some rows at a time.
 
         Raises:
-            DataError: not all of its rows are as many numbers.
+            DataError: some are no numbers.
         """
-        parts = [numbers(batch) for batch in self.batches(column)]
-        whole = [part for part in parts if part is not None]
-        if not whole or len(whole) < len(parts) or len({part.shape[1] for part in whole}) > 1:
-            raise DataError("gaps or mixed shapes; see lfr verify", file=self.path / "data",
-                            column=column)  # fmt: skip
-        values = np.concatenate(whole)
-        return values if dims is None else values[:, list(dims)]
+        for batch in self.batches(column):
+            values = numbers(batch)
+            if values is None:
+                raise DataError("no numbers; see lfr verify", file=self.path / "data",
+                                column=column)  # fmt: skip
+            yield values if dims is None else values[:, list(dims)]
+
+    def all_values(self, column: str, dims: Sequence[int] | None) -> NDArray:
+        """(N, D) of the same."""
+        return np.concatenate(list(self.values(column, dims)))
 
     @cached_property
     def words(self) -> Hashes:

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from lfr.curation.diff.columns import Shared
 from lfr.curation.diff.difference import Difference
-from lfr.curation.diff.fingerprints import numbers
 from lfr.curation.diff.side import Side
 
 STATISTICS = "statistics"
@@ -43,8 +42,6 @@ def compare_statistics(a: Side, b: Side, shared: Sequence[Shared]) -> Iterator[D
         if not one.is_numeric or not a.length.any() or not b.length.any():
             continue
         x, y = moments(a, one.key, one.a), moments(b, one.key, one.b)
-        if x.mean.shape != y.mean.shape:
-            continue
         other = np.zeros(len(x.mean), bool)
         for found, mask in _units(one, x, y):
             yield found
@@ -67,11 +64,8 @@ def compare_statistics(a: Side, b: Side, shared: Sequence[Shared]) -> Iterator[D
 def moments(side: Side, column: str, dims: Sequence[int] | None) -> Moments:
     """Of a column of numbers, in one pass (Chan, Golub, LeVeque 1979)."""
     count, mean, square = (np.zeros(1) for _ in range(3))
-    for batch in side.batches(column):
-        values = numbers(batch)
-        if values is None:
-            continue
-        values = (values if dims is None else values[:, list(dims)]).astype(np.float64)
+    for batch in side.values(column, dims):
+        values = batch.astype(np.float64)
         finite = np.isfinite(values)
         n = finite.sum(axis=0)
         m = np.where(finite, values, 0.0).sum(axis=0) / np.maximum(n, 1)
