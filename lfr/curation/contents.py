@@ -291,7 +291,7 @@ class Contents:
         if not file.is_file():
             raise Unreadable(Finding("missing-file", "not there", file=self.relative(file)))
         with unreadable("damaged-file", "unfinalized or cut-off Parquet", pa.ArrowException,
-                        OSError, file=self.relative(file)):  # fmt: skip
+                        OSError, UnicodeDecodeError, file=self.relative(file)):  # fmt: skip
             return pq.ParquetFile(file)
 
     def rows_of(self, file: Path) -> pa.Table:

@@ -124,7 +124,7 @@ def unreadable(check: str, message: str, *errors: type[Exception], **place: Any)
     try:
         yield
     except errors as error:
-        text = str(error) or type(error).__name__
+        text = " ".join(str(error).split()) or type(error).__name__
         raise Unreadable(Finding(check, message, found=text, **place)) from error
 
 

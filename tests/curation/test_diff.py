@@ -19,13 +19,14 @@ from lfr.curation import edit
 from lfr.curation.contents import Contents
 from lfr.curation.diff.comparison import Comparison, compare_datasets
 from lfr.curation.diff.difference import Difference, listed
+from lfr.curation.diff.side import Side
+from lfr.curation.diff.statistics import moments
 from lfr.data import tables
 from lfr.errors import DataError
 
 from . import arm, made_up
 from .broken import DATA, EPISODES, TASKS, VIDEO, column, cut, feature, info, put, removed, table
 from .broken import dimension as dimension_of
-from .conftest import LENGTHS
 
 CAMERA = "observation.images.agentview"
 OURS = ["seed", "success", "robot", "task_name", "log_file", "log_sha256"]
@@ -414,14 +415,32 @@ def test_of_other_episodes_of_the_same_task_no_unit_is_doubted(tmp_path: Path) -
     assert "unit" not in kinds(compare_datasets(a, b))
 
 
+def test_moments_over_many_batches(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("lfr.curation.diff.side.BATCH", 7)
+    recorded = arm.recording(2, drawn=False)
+    recorded.states[0][:9, 1] = np.nan
+    side = Side.open(arm.write(tmp_path / "a", recorded))
+    found, values = moments(side, arm.STATE, (1, 3)), np.concatenate(recorded.states)[:, [1, 3]]
+    values = values.astype(np.float64)
+    assert found.count.tolist() == [len(values) - 9, len(values)]
+    np.testing.assert_allclose(found.mean, np.nanmean(values, axis=0), rtol=1e-12)
+    np.testing.assert_allclose(found.std, np.nanstd(values, axis=0), rtol=1e-12)
+
+
 # What anybody may have written
+
+
+def no_text(dataset: Path) -> None:
+    """The name of a column, in bytes that are no UTF-8."""
+    content = (dataset / EPISODES).read_bytes()
+    (dataset / EPISODES).write_bytes(content.replace(b"seed", b"\xa4eed"))
 
 
 def test_what_is_no_dataset_is_one_line(
     sound: Path, copy: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     for damage in (cut(DATA, 0.6), cut(EPISODES, 0.5), cut("meta/info.json", 0.5), removed(TASKS),
-                   put(EPISODES, "length", 1, 10), put(EPISODES, "episode_index", 1, 0),
+                   no_text, put(EPISODES, "length", 1, 10), put(EPISODES, "episode_index", 1, 0),
                    table(EPISODES, lambda t: t.drop_columns(["length"])),
                    table(DATA, lambda t: t.drop_columns(["task_index"]))):  # fmt: skip
         shutil.rmtree(copy)
@@ -455,6 +474,17 @@ def test_missing_and_infinite_numbers_are_compared(sound: Path, copy: Path) -> N
     assert [one.rows for one in changed.values()] == [2, 1]
     assert changed["next.reward"].largest is None
     assert json.loads(json.dumps(found.as_json(), allow_nan=False))
+    assert compare_datasets(copy, copy).differences == ()
+
+
+def test_a_column_with_gaps_is_compared_row_by_row(sound: Path, copy: Path) -> None:
+    """Where a whole vector is missing there are no numbers; the other rows are as they were."""
+    put(DATA, "action", 14, None)(copy)
+    rows = pq.read_table(copy / DATA)
+    assert rows["action"].null_count == 1
+    found = compare_datasets(sound, copy)
+    one = the(found, "changed")
+    assert (one.column, one.episodes, one.rows, one.largest) == ("action", ((1, 1),), 1, None)
     assert compare_datasets(copy, copy).differences == ()
 
 
@@ -540,7 +570,3 @@ def test_how_episodes_are_listed() -> None:
     assert listed([(5, 5), (3, 3), (4, 4), (7, 7)]) == "episodes 3-5, 7"
     assert listed([(4, 3), (5, 4), (9, 2)]) == "episodes 4-5 (3-4 in B), 9 (2 in B)"
     assert len(listed([(i, None) for i in range(0, 9000, 2)])) <= 200
-
-
-def test_lengths_of_the_fixture() -> None:
-    assert LENGTHS == (12, 9, 15, 7, 12)  # on which the row numbers here rest

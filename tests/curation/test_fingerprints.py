@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from lfr.curation.diff.common import in_common, offset, overlap
 from lfr.curation.diff.fingerprints import digest, numbers, row_hashes
+from lfr.curation.diff.in_common import in_common, offset, overlap
 
 WIDE = pa.large_list(pa.float64())
 values_of = arrays.arrays(

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from lfr.curation.checks.order import TOLERANCE_S
 from lfr.curation.diff.columns import Shared
-from lfr.curation.diff.common import overlap
 from lfr.curation.diff.difference import Difference, EpisodePair
 from lfr.curation.diff.features import kept_columns
+from lfr.curation.diff.in_common import overlap
 from lfr.curation.diff.matching import Matching, Pair
 from lfr.curation.diff.side import Side
 

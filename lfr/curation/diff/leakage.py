@@ -8,10 +8,10 @@ import numpy as np
 
 from lfr.curation.checks.seeds import EXPECTED, OURS
 from lfr.curation.diff.columns import Shared
-from lfr.curation.diff.common import in_common
 from lfr.curation.diff.difference import Difference
 from lfr.curation.diff.episodes import named
 from lfr.curation.diff.fingerprints import Hashes, digest, joined_hashes
+from lfr.curation.diff.in_common import in_common
 from lfr.curation.diff.matching import Pair, seeds
 from lfr.curation.diff.nearly import nearly, tracks
 from lfr.curation.diff.packets import Camera

@@ -8,8 +8,8 @@ import numpy as np
 
 from lfr.curation.checks.behaviour.signals import correlation
 from lfr.curation.diff.columns import Shared
-from lfr.curation.diff.common import in_common, offset
 from lfr.curation.diff.fingerprints import digest, joined_hashes
+from lfr.curation.diff.in_common import in_common, offset
 from lfr.curation.diff.nearly import Tracks, nearly, tracks
 from lfr.curation.diff.side import Rows, Side
 

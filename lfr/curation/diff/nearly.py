@@ -17,7 +17,7 @@ from lfr.curation.checks.behaviour.episodes import NEARLY
 from lfr.curation.checks.behaviour.signals import Signal
 from lfr.curation.contents import runs
 from lfr.curation.diff.columns import Shared
-from lfr.curation.diff.common import overlap
+from lfr.curation.diff.in_common import overlap
 from lfr.curation.diff.side import Side
 from lfr.data.episode import ACTION
 

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lfr.curation.checks.decoded import COARSE, SIZE
-from lfr.curation.diff.common import overlap
 from lfr.curation.diff.difference import Difference
 from lfr.curation.diff.episodes import named
+from lfr.curation.diff.in_common import overlap
 from lfr.curation.diff.matching import Matching
 from lfr.curation.diff.packets import Camera, Stretch
 from lfr.curation.diff.side import Side

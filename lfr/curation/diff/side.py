@@ -122,7 +122,7 @@ class Side:
     def size(self, column: str) -> int | None:
         """How many numbers each row of a column has, by its first rows; None where it has none."""
         first = next(self.batches(column), None)
-        values = None if first is None else numbers(first)
+        values = None if first is None else numbers(first.drop_null())
         return None if values is None else values.shape[1]
 
     def names(self, column: str, size: int) -> list[str]:
