@@ -112,6 +112,15 @@ def test_the_same_pictures_beside_other_rows(tmp_path: Path) -> None:
     assert "not there" in found.not_compared[0]
 
 
+def test_the_same_states_beside_other_actions(train: Path, tmp_path: Path) -> None:
+    own, recorded = arm.recording(5, seed=2, drawn=False), arm.recording(12, seed=1, drawn=False)
+    own.states[2], own.actions[2] = recorded.states[6], recorded.actions[6] * 2 + 1
+    other = arm.write(tmp_path / "test", own)
+    found = compare_leakage(train, other)
+    assert shared(found) == {"shared-column": [(6, 2)]}
+    assert found.differences[0].column == arm.STATE
+
+
 def test_the_same_start(train: Path, tmp_path: Path) -> None:
     own, recorded = arm.recording(5, seed=2, drawn=False), arm.recording(12, seed=1, drawn=False)
     own.states[3][0] = recorded.states[4][0]

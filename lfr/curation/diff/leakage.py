@@ -22,6 +22,7 @@ from lfr.errors import LfrError
 from lfr.seeds import use_of_seed
 
 TWO = 2  # rows, or key frames, in common: one may be a start
+HALF, VECTOR = 0.5, 3  # of the shorter episode's rows, in a column of so many numbers or more
 HOME = 0.5  # of the episodes of either set: a start that so many have is the arm's, no leak
 
 
@@ -32,13 +33,13 @@ class Leaks:
         self._sides, self._named = (a, b), set[Pair]()
 
     def take(
-        self, kind: str, message: str, pairs: Iterator[tuple[Pair, int]]
+        self, kind: str, message: str, pairs: Iterator[tuple[Pair, int]], column: str | None = None
     ) -> Iterator[Difference]:
         """One for each pair that is new, with the number of rows that both have, or 0."""
         for pair, rows in pairs:
             if pair not in self._named:
                 self._named.add(pair)
-                yield Difference(kind, message, named(*self._sides, pair), rows=rows)
+                yield Difference(kind, message, named(*self._sides, pair), column, rows=rows)
 
 
 def find_leaks(
@@ -54,18 +55,11 @@ def find_leaks(
     leaks = Leaks(a, b)
     told = [one for one in shared if one.key == ACTION
             or one.key.startswith((f"{ACTION}.", "observation."))]  # fmt: skip
-    if not told:
-        not_compared.append("rows (no column of observations or actions in common)")
+    told = [one for one in told if one.is_numeric] or told
+    if told:
+        yield from _rows(a, b, told, leaks)
     else:
-        rows = [_joined(side, told) for side in (a, b)]
-        yield from leaks.take("identical", "the same episode", _identical(a, b, rows))
-        yield from leaks.take("shared-rows", "rows in common", _several(*(
-            (of[side.of_row >= 0], side.of_row[side.of_row >= 0])
-            for of, side in zip(rows, (a, b), strict=True)
-        )))  # fmt: skip
-        if of := tracks(a, b, told):
-            near = (((one.a, one.b), one.rows) for one in nearly(*of))
-            yield from leaks.take("nearly-identical", "nearly the same rows", near)
+        not_compared.append("rows (no column of observations or actions in common)")
     if pictures:
         for key in a.contents.pictures():
             if key in b.contents.pictures():
@@ -78,9 +72,30 @@ def find_leaks(
     yield from _leaked_seeds(a)
 
 
+def _rows(a: Side, b: Side, told: Sequence[Shared], leaks: Leaks) -> Iterator[Difference]:
+    rows = _joined(a, told), _joined(b, told)
+    yield from leaks.take("identical", "the same episode", _identical(a, b, rows))
+    both = _several(_of_rows(a, rows[0]), _of_rows(b, rows[1]))
+    yield from leaks.take("shared-rows", "rows in common", both)
+    if of := tracks(a, b, told):
+        near = (((one.a, one.b), one.rows) for one in nearly(*of))
+        yield from leaks.take("nearly-identical", "nearly the same rows", near)
+    for one in told:
+        if len(one.names) >= VECTOR:
+            found = _several(*(_of_rows(side, side.hashes[one.key]) for side in (a, b)))
+            most = (((x, y), count) for (x, y), count in found
+                    if count >= HALF * min(a.length[x], b.length[y]))  # fmt: skip
+            yield from leaks.take("shared-column", "rows of a column in common", most, one.key)
+
+
 def _joined(side: Side, columns: Sequence[Shared]) -> Hashes:
     hashes = [side.hashes[one.key] for one in columns]
     return joined_hashes(hashes, len(hashes[0]))
+
+
+def _of_rows(side: Side, hashes: Hashes) -> tuple[Hashes, Rows]:
+    inside = side.of_row >= 0
+    return hashes[inside], side.of_row[inside]
 
 
 def _identical(a: Side, b: Side, rows: Sequence[Hashes]) -> Iterator[tuple[Pair, int]]:
