@@ -56,9 +56,15 @@ def noisy(values: np.ndarray, random: np.random.Generator) -> np.ndarray:
     return values + random.normal(0, 0.002, values.shape) * np.ptp(values, axis=0)
 
 
+def wild(values: np.ndarray) -> np.ndarray:
+    """Rows far from these, and from each other farther still."""
+    return values[:10] + 2 + 9 * (np.arange(10) % 2 == 0)[:, None]
+
+
 @pytest.mark.parametrize(
     ("change", "kind", "rows"),
     [
+        (lambda x, r: np.concatenate([wild(x), noisy(x, r), wild(x)]), "nearly-identical", 0),
         (lambda x, _: x, "identical", 0),
         (lambda x, _: x[10:-20], "shared-rows", -30),
         (lambda x, _: x[::2], "shared-rows", None),
