@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import platform
 import statistics
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -110,10 +110,17 @@ def show(figure: Figure) -> None:
     )
 
 
-def write(name: str, figures: list[Figure], folder: Path = FOLDER, **machine: str) -> Path:
+def write(
+    name: str,
+    figures: list[Figure],
+    folder: Path = FOLDER,
+    more: Mapping[str, object] | None = None,
+    **machine: str,
+) -> Path:
     """Write `<folder>/<name>.json`; returns its path.
 
     Args:
+        more: what is to be known besides the figures.
         machine: what else is to be known of the one that measured.
     """
     path = folder / f"{name}.json"
@@ -124,7 +131,8 @@ def write(name: str, figures: list[Figure], folder: Path = FOLDER, **machine: st
         "load_average": os.getloadavg()[0],
         **machine,
     }
-    write_json(path, {"figures": rows, "machine": described, "made_with": provenance()})
+    content = {"figures": rows, **(more or {}), "machine": described, "made_with": provenance()}
+    write_json(path, content)
     return path
 
 

@@ -1,0 +1,1 @@
+"""How many planted faults checkers of datasets find: `python -m benchmarks.checkers`."""
