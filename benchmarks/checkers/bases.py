@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import dataclasses
 import shutil
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -30,8 +31,10 @@ SENSOR = 2e-4  # rad and m, of noise in what is measured and in what is commande
 TOUCH = "observation.tactile"
 
 
-def make_bases(work: Path, dataset: Path | None = None, logs: Path | None = None) -> None:
-    """The four datasets as ``work/<name>``, and the logs of `own` as ``work/own-logs``.
+def make_bases(
+    work: Path, dataset: Path | None = None, logs: Path | None = None, names: Sequence[str] = NAMES
+) -> None:
+    """The datasets of these names as ``work/<name>``, and the logs of `own` as ``work/own-logs``.
 
     Args:
         dataset: what to take as `own` in place of recording it: one of this project's, of one file
@@ -47,7 +50,7 @@ def make_bases(work: Path, dataset: Path | None = None, logs: Path | None = None
             if logs is not None:
                 shutil.copytree(logs, work / "own-logs")
     for name, make in (("arm", _arm), ("arm2d", _touched), ("lerobot", _by_lerobot)):
-        if not (work / name).is_dir():
+        if name in names and not (work / name).is_dir():
             partial = work / f".partial-{name}"
             shutil.rmtree(partial, ignore_errors=True)
             make(work, partial)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import shutil
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -150,13 +150,19 @@ class DatasetCopy:
     def _has(self, column: str) -> bool:
         return column in self.episodes.column_names
 
-    def picture_stats(self, episode: int, frames: NDArray[np.uint8]) -> None:
-        """Statistics of an episode's pictures anew, (N, H, W, 3), and those of all."""
-        histogram = [np.bincount(frames[..., c].ravel(), minlength=256) for c in range(3)]
-        for name, value in image_stats(np.array(histogram), len(frames)).items():
+    def restat_pictures(self, shown: Mapping[int, NDArray[np.uint8]]) -> None:
+        """Statistics of some episodes' pictures anew, (N, H, W, 3) each, and those of all."""
+        found = {
+            episode: image_stats(
+                [np.bincount(frames[..., c].ravel(), minlength=256) for c in range(3)], len(frames)
+            )
+            for episode, frames in shown.items()
+        }
+        for name in next(iter(found.values())):
             column = f"stats/{self.camera}/{name}"
             of_each = self.of_episodes(column)
-            of_each[episode] = value.tolist()
+            for episode, stats in found.items():
+                of_each[episode] = stats[name].tolist()
             self.put_of_episodes(column, of_each)
         self.stats[self.camera] = pooled_stats(self.episodes, self.camera)
 
@@ -200,10 +206,10 @@ class DatasetCopy:
         self.info |= {"total_episodes": count, "total_frames": len(frame),
                       "splits": {"train": f"0:{count}"}}  # fmt: skip
         self.restat()
+        self.restat_pictures({episode: video[part] for episode, part in enumerate(shown)})
         order = np.concatenate(shown)
         if not np.array_equal(order, np.arange(len(video))):
             self.film(video[order])
-            self.stats[self.camera] = pooled_stats(self.episodes, self.camera)
 
 
 def _same(one: pa.Table, other: pa.Table) -> bool:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.checkers.dataset_copy import DatasetCopy
-from benchmarks.checkers.faults import behaviour, files, meta, rows, videos
+from benchmarks.checkers.faults import behaviour, episodes, files, meta, rows, videos
 from benchmarks.checkers.faults.fault import Fault
 
 CONTROL = "control"
@@ -36,7 +36,8 @@ CONTROLS = {
 }
 
 FAULTS: dict[str, Fault] = {
-    **rows.FAULTS, **meta.FAULTS, **files.FAULTS, **videos.FAULTS, **behaviour.FAULTS, **CONTROLS
+    **rows.FAULTS, **meta.FAULTS, **files.FAULTS, **videos.FAULTS, **behaviour.FAULTS,
+    **episodes.FAULTS, **CONTROLS,
 }  # fmt: skip
 
 GROUPS = list(dict.fromkeys(fault.group for fault in FAULTS.values()))

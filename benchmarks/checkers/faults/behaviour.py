@@ -1,4 +1,4 @@
-"""Faults of what was recorded, with all that is said of it true: on `arm`, as a robot has it."""
+"""Faults of states and actions, with all that is said of them true: on `arm`, as a robot has it."""
 
 from __future__ import annotations
 
@@ -19,7 +19,6 @@ LAG = "lag|sync|delay|shift|latency|track|follow|diverg|offset|consisten|come af
 SPIKE = "spike|outlier|jump|glitch|discontin|jitter|teleport|velocity|jerk|smooth|far from|anomal"
 UNIT = "unit|degree|range|outlier|scale|distribution|shift|spike|bound|consisten|anomal|jump"
 NOISE = "jitter|noise|smooth|jerk|hf_|high.?freq|shak|tremor|spike|velocity|ldlj|rough"
-LENGTH = "length|duration|short|long|outlier|frame"
 
 DEGREES = 180 / np.pi
 Arrays = tuple[NDArray[np.float32], NDArray[np.float32]]
@@ -31,17 +30,18 @@ def _moved(change: Callable[[NDArray, NDArray], object]) -> Plant:
 
     def plant(copy: DatasetCopy) -> None:
         span = copy.span(K)
-        _edit(copy, lambda states, actions: change(states[span], actions[span]))
+        edit(copy, lambda states, actions: change(states[span], actions[span]))
 
     return plant
 
 
 def _all_moved(change: Callable[[NDArray, NDArray], object]) -> Plant:
     """A change of all states and actions."""
-    return lambda copy: _edit(copy, change)
+    return lambda copy: edit(copy, change)
 
 
-def _edit(copy: DatasetCopy, change: Callable[[NDArray, NDArray], object]) -> None:
+def edit(copy: DatasetCopy, change: Callable[[NDArray, NDArray], object]) -> None:
+    """Change the (N, 8) states and actions, with statistics to match."""
     keys = ("observation.state", "action")
     values = [copy.values(key) for key in keys]
     change(*values)
@@ -78,7 +78,7 @@ def _late(states: NDArray, actions: NDArray) -> None:
 
 def _each_late(copy: DatasetCopy) -> None:
     spans = [copy.span(e) for e in range(copy.episodes.num_rows)]
-    _edit(copy, lambda states, actions: [_late(states[s], actions[s]) for s in spans])
+    edit(copy, lambda states, actions: [_late(states[s], actions[s]) for s in spans])
 
 
 def _spike(deviations: float) -> Plant:
@@ -89,7 +89,7 @@ def _spike(deviations: float) -> Plant:
             column = actions[:, 2]
             column[row] = column.mean() + deviations * column.std()
 
-        _edit(copy, change)
+        edit(copy, change)
 
     return plant
 
@@ -129,7 +129,7 @@ def _saturated(copy: DatasetCopy) -> None:
         most = actions[:, 3].min() + np.float32(0.05)
         actions[span, 3] = np.minimum(actions[span, 3], most)
 
-    _edit(copy, change)
+    edit(copy, change)
 
 
 def _random(copy: DatasetCopy) -> None:
@@ -139,7 +139,7 @@ def _random(copy: DatasetCopy) -> None:
         low, high = actions.min(axis=0), actions.max(axis=0)
         actions[span] = rng.uniform(low, high, actions[span].shape)
 
-    _edit(copy, change)
+    edit(copy, change)
 
 
 def _half_rate(copy: DatasetCopy) -> None:
@@ -151,108 +151,46 @@ def _half_rate(copy: DatasetCopy) -> None:
         for array in arrays:
             array[:] = array[rows]
 
-    _edit(copy, change)
+    edit(copy, change)
 
-
-def _parts(change: Callable[[list[NDArray]], tuple[list[NDArray], list[int]]]) -> Plant:
-    """Episodes made of other rows, of which all is counted anew."""
-
-    def plant(copy: DatasetCopy) -> None:
-        copy.rebuild(*change([np.r_[copy.span(e)] for e in range(copy.episodes.num_rows)]))
-
-    return plant
-
-
-def _with(rows: Callable[[NDArray], NDArray]) -> Plant:
-    """One episode of other rows."""
-    return _parts(lambda parts: ([*parts[:K], rows(parts[K]), *parts[K + 1 :]],
-                                 [*range(len(parts))]))  # fmt: skip
-
-
-def _idle(seconds: int, *, first: bool) -> Plant:
-    """The recording begins before the task, or goes on after it."""
-    frames = 20 * seconds
-    longer = _with(lambda part: np.r_[part[:1].repeat(frames * first), part,
-                                      part[-1:].repeat(frames * (not first))])  # fmt: skip
-
-    def plant(copy: DatasetCopy) -> None:
-        longer(copy)
-        span = copy.span(K)
-        start = span.start if first else span.stop - frames
-        noise = np.random.default_rng(3).normal(0, SENSOR, (frames, 8)).astype(np.float32)
-
-        def change(states: NDArray, actions: NDArray) -> None:
-            states[start : start + frames] += noise
-
-        _edit(copy, change)
-
-    return plant
-
-
-def _nearly_twice(copy: DatasetCopy) -> None:
-    """The same motion measured again."""
-    _twice(copy)
-    last = copy.span(copy.episodes.num_rows - 1)
-    noise = np.random.default_rng(4).normal(0, SENSOR, (last.stop - last.start, 8))
-
-    def change(*arrays: NDArray) -> None:
-        for array in arrays:
-            array[last] += noise.astype(np.float32)
-
-    _edit(copy, change)
-
-
-def _joined(parts: list[NDArray]) -> tuple[list[NDArray], list[int]]:
-    origins = [e for e in range(len(parts)) if e != K + 1]
-    return [np.r_[parts[e], parts[e + 1]] if e == K else parts[e] for e in origins], origins
-
-
-_twice = _parts(lambda parts: ([*parts, parts[K]], [*range(len(parts)), K]))
 
 ARM = np.s_[:, :7]
-TWICE = "dup|identical|same|repeat|copy"
 
 
-def _fault(plant: Plant, fits: str) -> Fault:
+def on_arm(plant: Plant, fits: str) -> Fault:
+    """A fault of what an arm did."""
     return Fault("behaviour", plant, fits, "arm")
 
 
 FAULTS = {
-    "state_stuck_2s": _fault(_hold(40, 80), STUCK),
-    "one_joint_stuck_2s": _fault(_hold(40, 80, 3), STUCK),
-    "state_stuck_episode": _fault(_hold(0, None), STUCK),
-    "one_joint_dead_episode": _fault(_hold(0, None, 3), STUCK),
-    "one_joint_dead_all": _fault(_still_dimension(3, 0, all=True), STUCK),
-    "action_constant_episode": _fault(_hold(0, None, of=1), STUCK),
-    "action_zero_episode": _fault(_moved(lambda s, a: a.fill(0)), STUCK),
-    "gripper_still_episode": _fault(_still_dimension(7, 0, 1, all=False), f"{STUCK}|gripper"),
-    "gripper_still_all": _fault(_still_dimension(7, 0, 1, all=True), f"{STUCK}|gripper"),
-    "action_lag_10_episode": _fault(_moved(_late), LAG),
-    "action_lag_10_all": _fault(_each_late, LAG),
-    "action_spike_50_sigma": _fault(_spike(50), SPIKE),
-    "action_spike_8_sigma": _fault(_spike(8), SPIKE),
-    "state_spike_one_frame": _fault(_add(0, (ROW, 2), 0.8), SPIKE),
-    "joint_teleport": _fault(_add(0, np.s_[60:, 3], 0.8), f"{SPIKE}|{LAG}"),
-    "joint_wraps": _fault(_moved(_wrapped), f"{SPIKE}|wrap"),
-    "one_episode_in_degrees": _fault(_moved(_scale(ARM, DEGREES, 0, 1)), UNIT),
-    "one_state_in_degrees": _fault(_moved(_scale(ARM, DEGREES, 0)), f"{UNIT}|{LAG}"),
-    "state_degrees_action_radians": _fault(_all_moved(_scale(ARM, DEGREES, 0)), f"{UNIT}|{LAG}"),
-    "joint_sign_flipped_episode": _fault(_moved(_scale(np.s_[:, 1], -1, 0)), f"{LAG}|sign|outlier"),
-    "joints_swapped_episode": _fault(_moved(_swapped), f"{LAG}|order"),
-    "state_noise_episode": _fault(_trembling(0, 0.03), NOISE),
-    "action_noise_episode": _fault(_trembling(1, 0.1), NOISE),
-    "action_saturated_episode": _fault(_saturated, "satur|clip|limit|bound|pinned"),
-    "action_random_episode": _fault(_random, f"{NOISE}|{SPIKE}|{LAG}"),
-    "action_offset_episode": _fault(_add(1, np.s_[:], 0.15), f"{LAG}|calibrat|bias|beside"),
-    "action_copied_from_state": _fault(
+    "state_stuck_2s": on_arm(_hold(40, 80), STUCK),
+    "one_joint_stuck_2s": on_arm(_hold(40, 80, 3), STUCK),
+    "state_stuck_episode": on_arm(_hold(0, None), STUCK),
+    "one_joint_dead_episode": on_arm(_hold(0, None, 3), STUCK),
+    "one_joint_dead_all": on_arm(_still_dimension(3, 0, all=True), STUCK),
+    "action_constant_episode": on_arm(_hold(0, None, of=1), STUCK),
+    "action_zero_episode": on_arm(_moved(lambda s, a: a.fill(0)), STUCK),
+    "gripper_still_episode": on_arm(_still_dimension(7, 0, 1, all=False), f"{STUCK}|gripper"),
+    "gripper_still_all": on_arm(_still_dimension(7, 0, 1, all=True), f"{STUCK}|gripper"),
+    "action_lag_10_episode": on_arm(_moved(_late), LAG),
+    "action_lag_10_all": on_arm(_each_late, LAG),
+    "action_spike_50_sigma": on_arm(_spike(50), SPIKE),
+    "action_spike_8_sigma": on_arm(_spike(8), SPIKE),
+    "state_spike_one_frame": on_arm(_add(0, (ROW, 2), 0.8), SPIKE),
+    "joint_teleport": on_arm(_add(0, np.s_[60:, 3], 0.8), f"{SPIKE}|{LAG}"),
+    "joint_wraps": on_arm(_moved(_wrapped), f"{SPIKE}|wrap"),
+    "one_episode_in_degrees": on_arm(_moved(_scale(ARM, DEGREES, 0, 1)), UNIT),
+    "one_state_in_degrees": on_arm(_moved(_scale(ARM, DEGREES, 0)), f"{UNIT}|{LAG}"),
+    "state_degrees_action_radians": on_arm(_all_moved(_scale(ARM, DEGREES, 0)), f"{UNIT}|{LAG}"),
+    "joint_sign_flipped_episode": on_arm(_moved(_scale(np.s_[:, 1], -1, 0)), f"{LAG}|sign|outlier"),
+    "joints_swapped_episode": on_arm(_moved(_swapped), f"{LAG}|order"),
+    "state_noise_episode": on_arm(_trembling(0, 0.03), NOISE),
+    "action_noise_episode": on_arm(_trembling(1, 0.1), NOISE),
+    "action_saturated_episode": on_arm(_saturated, "satur|clip|limit|bound|pinned"),
+    "action_random_episode": on_arm(_random, f"{NOISE}|{SPIKE}|{LAG}"),
+    "action_offset_episode": on_arm(_add(1, np.s_[:], 0.15), f"{LAG}|calibrat|bias|beside"),
+    "action_copied_from_state": on_arm(
         _all_moved(lambda s, a: np.copyto(a, s)), "cop(y|ied)|identical|same|equal|leak|the state"
     ),
-    "episode_of_one_frame": _fault(_with(lambda part: part[:1]), LENGTH),
-    "idle_begin_10s": _fault(_idle(10, first=True), f"{STUCK}|{LENGTH}|pad|stall|motion"),
-    "idle_end_10s": _fault(_idle(10, first=False), f"{STUCK}|{LENGTH}|pad|stall|motion"),
-    "episode_slow_5x": _fault(_with(lambda part: part.repeat(5)), LENGTH),
-    "episode_twice": _fault(_twice, TWICE),
-    "episode_nearly_twice": _fault(_nearly_twice, TWICE),
-    "two_episodes_in_one": _fault(_parts(_joined), f"{SPIKE}|reset|{LENGTH}"),
-    "recorded_at_10_hz": _fault(_half_rate, f"fps|rate|time|sampl|cadence|dup|{STUCK}"),
+    "recorded_at_10_hz": on_arm(_half_rate, f"fps|rate|time|sampl|cadence|dup|{STUCK}"),
 }  # fmt: skip

@@ -30,7 +30,7 @@ def _shown(edit: Edit, *, described: bool = True) -> Plant:
         frames[span] = edit(frames[span].copy())
         copy.film(frames)
         if described:
-            copy.picture_stats(K, frames[span])
+            copy.restat_pictures({K: frames[span]})
 
     return plant
 
