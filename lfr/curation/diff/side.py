@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from lfr.curation.checks.counts import task_words
@@ -102,15 +103,17 @@ class Side:
         if not self._count:
             return []
         with readable(self.path):
-            return list(self.contents.data[0].schema_arrow.names)
+            return list(self.contents.schemas[0].names)
 
     def batches(self, column: str) -> Iterator[pa.Array]:
         """A column of all rows, some rows at a time."""
         with readable(self.path):
-            for path, file in zip(self.contents.data_files, self.contents.data, strict=True):
+            files = zip(self.contents.data_files, self.contents.footers, strict=True)
+            for path, footer in files:
                 where: dict[str, Any] = {"file": self.contents.relative(path), "column": column}
                 with unreadable("damaged-file", "its rows cannot be read", pa.ArrowException,
-                                OSError, KeyError, IndexError, **where):  # fmt: skip
+                                OSError, KeyError, IndexError, **where), \
+                        pq.ParquetFile(path, metadata=footer) as file:  # fmt: skip
                     if column not in file.schema_arrow.names:
                         raise KeyError("no such column")
                     kind = file.schema_arrow.field(column).type
