@@ -144,3 +144,16 @@ def test_what_a_priors_training_leaves_to_chance(line: Row) -> None:
     assert line["trainings"] == str(len(found))
     assert line["retarget"] == percent(found, "retarget_successes")
     assert (line["lowest"], line["highest"]) == (each[0], each[-1])
+
+
+@pytest.mark.parametrize("line", table("recipe"), ids=lambda line: line["task, arm"])
+def test_what_the_recipe_changes(line: Row) -> None:
+    methods = {"own arm": "own_arm", "mapped": "lfr"}
+    task, arm = line.pop("task, arm").split(", ")
+    for column, said in line.items():
+        asked = {"task": task, "target": arm, "method": methods.get(column, column)}
+        found = [
+            percent([r for r in rows("recipe") if {**asked, "joint_copies": on}.items() <= r.items()])
+            for on in "01"
+        ]  # fmt: skip
+        assert said == ", ".join(found)
