@@ -152,8 +152,6 @@ def test_what_the_recipe_changes(line: Row) -> None:
     task, arm = line.pop("task, arm").split(", ")
     for column, said in line.items():
         asked = {"task": task, "target": arm, "method": methods.get(column, column)}
-        found = [
-            percent([r for r in rows("recipe") if {**asked, "joint_copies": on}.items() <= r.items()])
-            for on in "01"
-        ]  # fmt: skip
-        assert said == ", ".join(found)
+        of_both = [row for row in rows("recipe") if asked.items() <= row.items()]
+        each = ([row for row in of_both if row["joint_copies"] == on] for on in "01")
+        assert said == ", ".join(map(percent, each))
