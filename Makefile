@@ -10,7 +10,7 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export UV_PYTHON_INSTALL_DIR := $(CURDIR)/.uv/python
 unexport VIRTUAL_ENV
 
-.PHONY: demo repro test test-slow check bench bench-stages evidence setup lock
+.PHONY: demo repro test test-slow check bench bench-checkers bench-stages evidence setup lock
 
 demo: setup
 	python -m pipeline._demo
@@ -43,6 +43,11 @@ bench: setup
 	export PYTHONPATH=.uv/benchmarks; \
 	for benchmark in $(filter-out stages,$(basename $(notdir $(wildcard benchmarks/[a-z]*.py)))); do \
 	  python -m benchmarks.$$benchmark; done
+
+# Other checkers of datasets, each in an environment of its own, take hours; it goes on where it was stopped.
+bench-checkers: setup
+	python -m benchmarks.checkers
+	python -m benchmarks.checkers.page
 
 # Whole stages, of what is committed; they need the models that the main job makes.
 bench-stages: repro

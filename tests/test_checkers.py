@@ -14,7 +14,7 @@ from benchmarks.checkers.dataset_copy import EPISODE_ROWS, ROWS, DatasetCopy
 from benchmarks.checkers.faults import CONTROL, FAULTS, GROUPS, plant
 from benchmarks.checkers.faults.fault import ROW, K
 from benchmarks.checkers.findings import Said, said
-from benchmarks.checkers.page import MARKER, PAGE, SUMMARY, table
+from benchmarks.checkers.page import MARKER, PAGE, SUMMARY, shown_on_page, table
 from benchmarks.checkers.page import ROWS as TABLE
 from benchmarks.checkers.results import (
     CLEAN,
@@ -25,6 +25,7 @@ from benchmarks.checkers.results import (
     Row,
     alarms,
     by_group,
+    complete,
     judged,
     not_found,
     of_clean,
@@ -229,6 +230,10 @@ def test_counts_are_of_the_rows(tmp_path: Path) -> None:
     assert groups["doctor"] == {"values": (1, 2), "schema": (0, 1)}
     assert total(groups["lfr"]) == (1, 3)
     assert alarms(rows) == {"lfr": (0, 2), "doctor": (2, 2)}
+    assert complete(rows) == []
+    every = [Row(name, fault.group, "lint", "1", MISSED) for name, fault in FAULTS.items()]
+    assert complete([*rows, *every]) == every
+    assert complete([*rows, *every[1:]]) == []
     assert only(rows) == ["nan_action"]
     assert only(rows, "doctor") == ["nan_state"]
     assert not_found(rows) == ["nan_state", "names_missing"]
@@ -240,7 +245,7 @@ def test_counts_are_of_the_rows(tmp_path: Path) -> None:
 
 def test_the_page_shows_the_table_of_the_results() -> None:
     rows = read_rows(TABLE)
-    assert shown(PAGE, MARKER) == table(rows, read_json(SUMMARY))
+    assert shown(PAGE, MARKER) == shown_on_page()
     own = [row for row in rows if row.checker == "lfr" and row.group != CLEAN]
     assert {row.fault for row in own} == set(FAULTS)
     assert {row.group: FAULTS[row.fault].group for row in own} == {g: g for g in GROUPS}

@@ -8,7 +8,16 @@ from typing import Any
 
 from benchmarks._figures import FOLDER
 from benchmarks.checkers.peers import CHECKERS, OWN
-from benchmarks.checkers.results import Row, alarms, by_group, not_found, only, read_rows, total
+from benchmarks.checkers.results import (
+    Row,
+    alarms,
+    by_group,
+    complete,
+    not_found,
+    only,
+    read_rows,
+    total,
+)
 from lfr.artifacts import read_json
 from lfr.evaluation.marked import put
 
@@ -27,7 +36,17 @@ COLUMNS = {
 
 def page() -> None:
     """Write the table into the page."""
-    put(PAGE, MARKER, table(read_rows(ROWS), read_json(SUMMARY)))
+    put(PAGE, MARKER, shown_on_page())
+
+
+def shown_on_page() -> str:
+    """What stands there, of those checkers that have been given every fault."""
+    rows, summary = read_rows(ROWS), read_json(SUMMARY)
+    whole = complete(rows)
+    apart = sorted({row.checker for row in rows} - {row.checker for row in whole})
+    not_run = {name: "not yet given every fault" for name in apart} | summary["not_run"]
+    why = "; ".join(f"{name} ({reason})" for name, reason in not_run.items())
+    return f"{table(whole, summary)}\n\nNot in the table: {why}."
 
 
 def table(rows: Sequence[Row], summary: Mapping[str, Any]) -> str:

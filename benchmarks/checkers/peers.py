@@ -65,7 +65,7 @@ class Checker:
             if not self.package:
                 program = [sys.executable, "-c", LFR, *words[1:]]
             before = resource.getrusage(resource.RUSAGE_CHILDREN)
-            code, output, errors = _ended(program, Path(folder))
+            code, output, errors = _ended(program, Path(folder), work / "homes" / self.name)
             after = resource.getrusage(resource.RUSAGE_CHILDREN)
             wrote = report if any("{report}" in word for word in self.command) else None
             spent = after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
@@ -154,10 +154,13 @@ NOT_RUN = {
 """Looked at, and why they have no column."""
 
 
-def _ended(program: list[str], folder: Path) -> tuple[int | None, str, str]:
-    """Exit code, None where time ran out, output and errors of a program."""
-    home = folder / "home"  # no settings and no caches of anyone's
-    home.mkdir()
+def _ended(program: list[str], folder: Path, home: Path) -> tuple[int | None, str, str]:
+    """Exit code, None where time ran out, output and errors of a program.
+
+    Args:
+        home: of its own, where it has no settings and no caches but what it makes.
+    """
+    home.mkdir(parents=True, exist_ok=True)
     environment = {
         **os.environ, "HOME": str(home), "XDG_CACHE_HOME": str(home), "NO_COLOR": "1",
         "HF_HOME": str(home), "HF_HUB_OFFLINE": "1", "OMP_NUM_THREADS": "1", "COLUMNS": "200",

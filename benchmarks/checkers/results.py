@@ -115,6 +115,15 @@ def alarms(rows: Iterable[Row]) -> dict[str, tuple[int, int]]:
     return counts
 
 
+def complete(rows: Iterable[Row]) -> list[Row]:
+    """The rows of those checkers that have been given every fault."""
+    faults: dict[str, set[str]] = {}
+    rows = list(rows)
+    for row in rows:
+        faults.setdefault(row.checker, set()).add(row.fault)
+    return [row for row in rows if faults[row.checker] >= FAULTS.keys()]
+
+
 def only(rows: Iterable[Row], checker: str = OWN) -> list[str]:
     """Faults that this checker alone has found."""
     finders: dict[str, set[str]] = {}
