@@ -33,6 +33,7 @@ KINDS = {
     "format": "a video in another codec or pixel format than info.json says",
     "video-frames": "an episode with another number of frames in the video than rows",
     "log": "a log that is gone, is not the one packed, or was packed twice",
+    "foreign-log": "an MCAP file with other topics than this project's logs",
     "leaked-seed": "a seed that is not a demonstration's",
     "repeated-seed": "the same start as another episode's",
     "duplicate": "the same as another episode, or nearly",

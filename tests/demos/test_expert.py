@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from lfr.demos.attempt import AttemptParams, attempt
+from lfr.demos.attempt import AttemptParams, DriftParams, attempt
 from lfr.demos.expert import PERTURBATION_STEPS, Expert, ExpertParams
 from lfr.sim.simulation import simulation
 from lfr.tasks import task
@@ -14,6 +14,7 @@ FEWEST = {("jaco", "nut_assembly"): 1, ("panda", "nut_assembly"): 2}
 since its two fingers stand 40 mm apart, and Panda 84 to 96 % (results/benchmarks/experts.json)."""
 
 CALM = ExpertParams(noise=0.0, perturbation=0.0, slip=0.0)
+NEAR = AttemptParams(CALM, DriftParams(steps=48))  # starts as in results/benchmarks/experts.json
 
 
 def over_the_cube(aperture: float, command: float) -> np.ndarray:
@@ -63,8 +64,7 @@ def test_without_disturbance_it_executes_the_label() -> None:
 
 @pytest.mark.parametrize(("name", "task"), COMBINATIONS)
 def test_it_does_every_task_with_every_arm(name: str, task: str) -> None:
-    params = AttemptParams(expert=CALM)
-    attempts = (list(attempt(simulation(name, task), params, seed)) for seed in range(4))
+    attempts = (list(attempt(simulation(name, task), NEAR, seed)) for seed in range(4))
     assert sum(any(moment.success for moment in moments) for moments in attempts) >= FEWEST.get(
         (name.split("-")[0], task), 3
     )
@@ -73,7 +73,7 @@ def test_it_does_every_task_with_every_arm(name: str, task: str) -> None:
 @pytest.mark.parametrize("name", EMBODIMENTS[::2])
 def test_a_hand_that_holds_the_cube_is_as_wide_as_the_cube(name: str) -> None:
     engine = simulation(name, "lift")
-    attempts = (list(attempt(engine, AttemptParams(expert=CALM), seed)) for seed in range(3, 7))
+    attempts = (list(attempt(engine, NEAR, seed)) for seed in range(3, 7))
     last = next(moments[-1] for moments in attempts if any(one.success for one in moments))
     aperture = last.observation[engine.layout.index("gripper_aperture")]
     across = 2.0 * engine.cube_size()[:2]  # m, 0.040 to 0.044; the fingers close on either side
