@@ -3,9 +3,9 @@
     python -m benchmarks.experts [--attempts 50] [--out results/benchmarks]
 
 Attempts are those of the record stage: drifted starts, though not as far, noise, pushes and slips,
-recorded labels clean. The same is measured with half the attempts undisturbed (drifted starts alone), which tells
-what an arm cannot do from what a slip undoes, and for the arms whose robosuite models are mended,
-without the repairs.
+recorded labels clean. The same is measured with half the attempts undisturbed (drifted starts
+alone), which tells what an arm cannot do from what a slip undoes, and for the arms whose robosuite
+models are mended, without the repairs.
 """
 
 from __future__ import annotations
