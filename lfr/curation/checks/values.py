@@ -26,6 +26,9 @@ from lfr.data.features import names_of, shape_of
 SLACK = 1e-3  # beyond a range: rotations are orthogonal to float32's precision, not exactly
 # A value this many times as far from the median as the middle 98 % reach is a spike.
 SPIKE = 100.0
+# It gets there at once, half of that way in a step, and back within so many rows: a cube that falls
+# over does not.
+AT_ONCE, LONGEST = 0.5, 10
 SELDOM = 0.1  # share of episodes: where more fail, failures are meant to be there
 
 
@@ -58,7 +61,7 @@ def check_values(contents: Contents) -> Iterator[Finding]:
         if key not in (DONE, SUCCESS, REWARD) and rows.dtype.kind == "f" and len(rows) > 1:
             yield from _constant(key, names, rows)
             if not bad.any():
-                yield from _spikes(contents, names, rows)
+                yield from _spikes(contents, names, rows, there)
         if key.startswith("observation."):
             observed = True
             still &= _still(rows, there)
@@ -115,15 +118,34 @@ def _constant(key: str, names: list[str], rows: NDArray) -> Iterator[Finding]:
                       found=float(rows[0, i]))  # fmt: skip
 
 
-def _spikes(contents: Contents, names: list[str], rows: NDArray) -> Iterator[Finding]:
+def _spikes(contents: Contents, names: list[str], rows: NDArray, there: Runs) -> Iterator[Finding]:
     low, middle, high = np.quantile(rows, [0.01, 0.5, 0.99], axis=0, method="nearest")
     span = np.maximum(high - middle, middle - low).astype(np.float64)
     far = (np.abs(rows - middle) > SPIKE * span) & (span > 0)
     for i in np.flatnonzero(far.any(axis=0)):
-        at, where = contents.at_rows(far[:, i])
+        brief = _brief(rows[:, i], far[:, i], AT_ONCE * SPIKE * span[i], there)
+        if not len(brief):
+            continue
+        at, where = contents.at_rows(brief)
         yield Finding("spike", "far from all other values", "warning", **where, column=names[i],
                       found=float(rows[at, i]),
                       expected=f"98 % are in {low[i]:g} to {high[i]:g}")  # fmt: skip
+
+
+def _brief(values: NDArray, far: NDArray[np.bool_], leap: float, there: Runs) -> NDArray[np.int64]:
+    """Rows of values (N,) that leap away and back in their episode: of stretches of `far` rows."""
+    leaps = np.abs(np.diff(values, prepend=values[:1], append=values[-1:])) > leap  # into and out
+    edge = np.zeros(len(values) + 1, bool)
+    edge[there.start] = edge[-1] = True
+    found = np.flatnonzero(far)
+    first = found[edge[found] | ~np.append(False, far[:-1])[found]]
+    last = found[edge[found + 1] | ~np.append(far[1:], False)[found]]
+    into, out = leaps[first] | edge[first], leaps[last + 1] | edge[last + 1]
+    short = last - first < LONGEST
+    ends = (edge[first] | edge[last + 1]) & (last > first)  # a whole stretch at an episode's end
+    chosen = [np.arange(a, b + 1) for a, b in zip(first, last, strict=True)]
+    kept = np.flatnonzero(into & out & short & ~ends)
+    return np.concatenate([chosen[k] for k in kept]) if len(kept) else found[:0]
 
 
 def _still(rows: NDArray, there: Runs) -> NDArray[np.bool_]:

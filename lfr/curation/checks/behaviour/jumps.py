@@ -16,6 +16,9 @@ LEAST = 0.1  # of its spread
 RARE = 0.1  # share of the episodes: what happens more often is how it moves
 NOISE = 5.0  # times the median episode's
 NOISE_LEAST = 0.01  # of its spread
+# Correlation of successive second differences: white noise has -2/3, a hand that opens and closes
+# often one above 0.
+ALTERNATING = -0.2
 TURNS = (2 * np.pi, 360.0)
 
 
@@ -49,8 +52,8 @@ def noise(contents: Contents, signal: Signal) -> Iterator[Finding]:
     there, values = signal.there, signal.values
     if len(there.start) < 3 or len(values) < 3:
         return
-    second = np.abs(np.diff(values, n=2, axis=0))
-    second = np.pad(second, ((1, 1), (0, 0)))
+    bends = np.pad(np.diff(values, n=2, axis=0), ((1, 1), (0, 0)))
+    second = np.abs(bends)
     middle = np.array([
         np.median(second[first + 1 : first + count - 1], axis=0) if count > 4
         else np.zeros(values.shape[1])
@@ -59,7 +62,12 @@ def noise(contents: Contents, signal: Signal) -> Iterator[Finding]:
     usual = np.median(middle, axis=0)
     odd = (middle > NOISE * usual) & (middle > NOISE_LEAST * signal.spread) & signal.moving
     for episode in np.flatnonzero(odd.any(axis=1)):
-        chosen = odd[episode]
+        first, count = there.start[episode], there.length[episode]
+        d = bends[first + 1 : first + count - 1]
+        turns = (d[1:] * d[:-1]).sum(axis=0) < ALTERNATING * (d * d).sum(axis=0)
+        chosen = odd[episode] & turns
+        if not chosen.any():
+            continue
         times = (middle[episode][chosen] / np.maximum(usual[chosen], 1e-12)).max()
         yield warning(
             contents, there, int(episode), "noise", "trembles more than the other episodes",
