@@ -29,6 +29,7 @@ LONG = 1.0  # seconds that something must last
 FROZEN, SURELY = 0.1, 2.5  # times the change that is usual while the robot moves, and times that
 FROZEN_LONG = 2.0  # times `LONG`, where the pictures do not catch up after it
 NEAREST, KNOWN = 7, 5_000  # pictures with the robot nearly there, among so many of all
+FAR, ASKED = 2.0, 200  # times as far as usual these are where no other episode was; of so many rows
 SHARPER, BLURRED = 3.0, 0.4  # times the finest detail of the median episode
 STEADY = 0.8  # correlation of episodes' mean pictures, of a camera that stands still
 OTHER_VIEW = 0.5  # the same of an episode from elsewhere
@@ -162,6 +163,7 @@ def _frozen(
     threshold = FROZEN * usual
     some = np.random.default_rng(0).permutation(len(rows))[:KNOWN]
     rows, change = rows[some], change[some]
+    known = FAR * _reach(places, rows, there)
     for episode, one in seen.items():
         own = np.array(one.rows)
         still = np.array(one.change) < threshold
@@ -173,11 +175,12 @@ def _frozen(
                 continue
             apart = np.abs(places[of][:, None] - places[rows[others]]).mean(axis=-1)
             near = np.argpartition(apart, NEAREST - 1, axis=1)[:, :NEAREST]
+            reach = np.take_along_axis(apart, near, axis=1).max(axis=1)
             # A robot that is out of sight comes into it little by little; a camera catches up.
             caught_up = first + count < len(one.change) and one.change[first + count] > usual
             near = change[others][near]
             there_change = np.median(near, axis=1) if caught_up else near.min(axis=1)
-            expected = there_change > SURELY * threshold
+            expected = (there_change > SURELY * threshold) & (reach < known)
             if expected.sum() >= least * (1.0 if caught_up else FROZEN_LONG):
                 begin, end = of[expected][[0, -1]]
                 yield warning(
@@ -186,6 +189,16 @@ def _frozen(
                     last=end, found=f"{(end - begin + 1) / contents.fps:.1f} s",
                 )  # fmt: skip
                 break
+
+
+def _reach(places: NDArray, rows: NDArray[np.int64], there: Runs) -> float:
+    """How far the NEAREST rows of other episodes usually are from one of some rows."""
+    episodes = np.searchsorted(there.start, rows, side="right")
+    asked = slice(0, ASKED)  # they are in no order
+    apart = np.abs(places[rows[asked]][:, None] - places[rows]).mean(axis=-1)
+    apart[episodes[asked][:, None] == episodes] = np.inf
+    found = np.partition(apart, min(NEAREST, len(rows)) - 1, axis=1)[:, :NEAREST].max(axis=1)
+    return float(np.median(found))
 
 
 def _copies(contents: Contents, key: str, there: Runs, seen: dict[int, Seen]) -> Iterator[Finding]:
