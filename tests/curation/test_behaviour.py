@@ -13,6 +13,7 @@ import pytest
 from lfr.curation.checks.behaviour import check_behaviour
 from lfr.curation.checks.behaviour.signals import stretches
 from lfr.curation.checks.pictures import check_pictures
+from lfr.curation.checks.values import check_values
 from lfr.curation.contents import Contents
 from lfr.curation.finding import Finding
 from lfr.curation.verify import verify_dataset
@@ -215,6 +216,33 @@ def test_nothing_is_said_of_a_sound_recording(tmp_path: Path) -> None:
     assert found(path) == []
     assert found(path, pictures=True) == []
     assert not verify_dataset(path, pictures=3).errors
+
+
+def test_a_hand_that_opens_and_closes_often_is_no_noise(tmp_path: Path) -> None:
+    of = arm.recording()
+    wave = 0.5 + 0.4 * np.sin(np.arange(len(of.states[K]) + 2) / 2.5)
+    of.states[K][:, 3], of.actions[K][:, 3] = wave[:-2], wave[2:]
+    path = arm.write(tmp_path / "arm", of)
+    assert "noise" not in {one.check for one in found(path)}
+
+
+FALL = [1.0, 0.94, 0.7, -0.2, -0.6, -0.6, -0.6]
+
+
+@pytest.mark.parametrize(
+    ("heights", "spike"),
+    [(FALL, False), ([-0.6], True), ([-0.6] * 4, True)],
+    ids=["falls", "a row", "rows"],
+)
+def test_what_falls_is_no_spike(heights: list[float], spike: bool, tmp_path: Path) -> None:
+    of = arm.recording()
+    random = np.random.default_rng(1)
+    for state in of.states:
+        state[:, 3] = 1 - random.uniform(0, 5e-3, len(state))
+    last = len(of.states[K]) - (0 if not spike else 5)
+    of.states[K][last - len(heights) : last, 3] = heights
+    contents = Contents.open(arm.write(tmp_path / "arm", of))
+    assert ("spike" in {one.check for one in check_values(contents)}) == spike
 
 
 def _named(findings: list[Finding], check: str, shown: str) -> None:
