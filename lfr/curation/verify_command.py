@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from lfr.curation.verify import Report
 
 VALID = (
-    "the folder of a LeRobot dataset (v3.0, v2.1 or v2.0), its name on the Hub (owner/name), "
-    "an MCAP log, or a folder of logs"
+    "the folder of a LeRobot dataset (v3.0, v2.1 or v2.0), its name on the Hub (owner/name or "
+    "owner/name@revision), an MCAP log, or a folder of logs"
 )
 WRONG = 1  # exit code; 2 is what is not a dataset at all
 

@@ -13,7 +13,7 @@ from typing import Any
 
 from lfr.artifacts import parse_json
 from lfr.data.older import older_version, write_as_v30
-from lfr.data.repository import Repository, is_name
+from lfr.data.repository import Repository, parse_name
 from lfr.data.source import VERSION, Source, known
 from lfr.errors import DataError, LfrError
 
@@ -26,19 +26,20 @@ def opened(path: Path, revision: str | None = None, *, verify: bool = False) -> 
     the dataset itself. Whatever else is at `path` is its own folder or file.
 
     Args:
-        path: of a folder; where there is none, `owner/name` is a dataset's on the Hub.
-        revision: a branch, tag or commit of the Hub's.
+        path: of a folder; where there is none, `owner/name` is a dataset's on the Hub, and
+            `owner/name@revision` that of a branch, tag or commit.
+        revision: the same, given by itself.
         verify: all files are wanted, and of what is wrong in v2.1's metadata nothing is raised.
 
     Raises:
         LfrError: the Hub has no such dataset, or it cannot be reached; metadata of v2.1 that
             cannot be read.
     """
-    remote = not path.exists() and is_name(path.as_posix())
-    if revision is not None and not remote:
+    remote = None if path.exists() else parse_name(path.as_posix())
+    if revision is not None and (remote is None or remote[1] is not None):
         raise LfrError(f"--revision {revision} is of a dataset on the Hub; expected owner/name, "
                        f"found {path}")  # fmt: skip
-    repository = Repository.find(path.as_posix(), revision) if remote else None
+    repository = None if remote is None else Repository.find(remote[0], revision or remote[1])
     origin = path if repository is None else repository.folder
     info = _info(origin)
     version = older_version(origin, info) or VERSION
@@ -46,7 +47,7 @@ def opened(path: Path, revision: str | None = None, *, verify: bool = False) -> 
         yield path
         return
     with tempfile.TemporaryDirectory(prefix="lfr-") as name:
-        called = path.resolve().name if repository is None else path.name
+        called = (path.resolve() if repository is None else Path(repository.name)).name
         folder = Path(name).resolve() / (called or "dataset")
         folder.mkdir()
         for part in ("data", "videos", "images"):
@@ -60,7 +61,7 @@ def opened(path: Path, revision: str | None = None, *, verify: bool = False) -> 
             faults = write_as_v30(origin, folder, info, version, stats=verify)
         source = Source(folder, origin, str(path), version, tuple(faults))
         if repository is not None:
-            source = replace(source, on_hub=True, fetch=repository.fetch)
+            source = replace(source, repository=repository.name, fetch=repository.fetch)
         with known(source):
             for fault in faults:
                 if fault.fatal and not verify:

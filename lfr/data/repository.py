@@ -24,9 +24,10 @@ KIND = "dataset"
 LOG_IN = "or log in with `hf auth login` or HF_TOKEN, if it is private"
 
 
-def is_name(text: str) -> bool:
-    """Whether a text has the form of a repository's name, `owner/name`."""
-    return re.fullmatch(r"[\w-][\w.-]*/[\w-][\w.-]*", text, re.ASCII) is not None
+def parse_name(text: str) -> tuple[str, str | None] | None:
+    """Name and revision, if any, of `owner/name` or `owner/name@revision`; None of other texts."""
+    found = re.fullmatch(r"([\w-][\w.-]*/[\w-][\w.-]*)(?:@(\S+))?", text, re.ASCII)
+    return None if found is None else (found[1], found[2])
 
 
 @dataclass(frozen=True)

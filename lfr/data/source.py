@@ -52,7 +52,7 @@ class Source:
         name: what whoever asked for it called it.
         version: that its files have.
         faults: what of its metadata is not as its own version has it.
-        on_hub: whether its name is that of a dataset on the Hub.
+        repository: its name on the Hub, `owner/name`; "" where it is not from there.
         fetch: to be called with a file or folder below `path` before that is read.
     """
 
@@ -61,12 +61,17 @@ class Source:
     name: str
     version: str = VERSION
     faults: tuple[Fault, ...] = ()
-    on_hub: bool = False
+    repository: str = ""
     fetch: Callable[[str], None] = _nothing
 
     @property
     def is_older(self) -> bool:
         return self.version != VERSION
+
+    def is_named(self, text: str) -> bool:
+        """Whether a text has a folder in it that whoever asked for the dataset does not know."""
+        folders = [self.path, *([self.origin] if self.repository else [])]
+        return any(str(folder) in text for folder in folders)
 
     def said(self, text: str, column: str | None = None) -> str:
         """A text with the dataset's own names in it, in the place of the copy's.
@@ -102,6 +107,8 @@ def known(source: Source) -> Iterator[Path]:
     try:
         yield source.path
     except LfrError as error:
+        if not source.is_named(str(error)):
+            raise  # another dataset's, that is open at the same time
         error.args = (source.said(str(error)), *error.args[1:])
         if isinstance(error, DataError):
             error.file = Path(source.said(str(error.file)))

@@ -18,6 +18,7 @@ from lfr.data import tables
 from lfr.data.episode import ACTION
 from lfr.data.features import dimension_names
 from lfr.data.selection import unreadable
+from lfr.data.source import Source
 from lfr.data.tables import DatasetFiles, conversion
 from lfr.errors import DataError
 from lfr.importing.bag.files import find_bags, is_bag
@@ -73,7 +74,7 @@ def arm_entry(path: Path, arm: str | None = None, action: str = ACTION) -> str:
     robot = robot if isinstance(robot, str) else None
     low, high = _bounds(files, action)
     name = arm or _slug(robot or files.path.name) or "arm"
-    lines = [*_notes(files), f"{name}:", f"  path: {_text(Path(files.source.name).as_posix())}"]
+    lines = [*_notes(files), f"{name}:", f"  path: {_text(_place(files.source))}"]
     fps = files.fps
     lines.append(f"  fps: {int(fps) if fps == int(fps) else fps}")
     lines += [f"  robot_type: {json.dumps(robot)}"] if robot else []
@@ -100,12 +101,17 @@ def arm_entry(path: Path, arm: str | None = None, action: str = ACTION) -> str:
 def _notes(files: DatasetFiles) -> list[str]:
     """What is to be done before a stage can read the dataset."""
     source, lines = files.source, []
-    if source.on_hub:
-        lines.append(f"# on the Hub; `hf download {source.name} --repo-type dataset --revision "
-                     f"{source.origin.name} --local-dir {source.name}` brings it here")  # fmt: skip
+    if name := source.repository:
+        lines.append(f"# on the Hub; `hf download {name} --repo-type dataset --revision "
+                     f"{source.origin.name} --local-dir {name}` brings it here")  # fmt: skip
     if source.is_older:
-        lines.append(f"# LeRobot {source.version}; convert it: {conversion(Path(source.name))}")
+        lines.append(f"# LeRobot {source.version}; convert it: {conversion(Path(_place(source)))}")
     return lines
+
+
+def _place(source: Source) -> str:
+    """Where it is, or will be when it has been brought here."""
+    return source.repository or Path(source.name).as_posix()
 
 
 def _said(column: str, names: tuple[str, ...], taken: Sequence[str]) -> tuple[str, ...]:

@@ -308,3 +308,4 @@ def test_whatever_stands_in_the_metadata_is_no_traceback(tmp_path: Path) -> None
 def _survives(dataset: Path) -> None:
     for command in (["verify", "--json"], ["view", "--list"], ["columns"]):
         assert cli.main([*command, str(dataset)]) in (0, 1, 2)
+    assert cli.main(["diff", str(dataset), str(dataset)]) in (0, 2)

@@ -131,9 +131,53 @@ def test_the_release_that_lerobot_takes(elsewhere: Hub, new: Path, old: Path) ->
     assert version(refs["v2.1"]) == ("v2.1", refs["v2.1"])
 
 
+def test_a_revision_behind_the_name(
+    elsewhere: Hub, new: Path, old: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    refs = put(elsewhere, new, "v3.0").refs
+    put(elsewhere, old, "refs/pr/1")
+    assert cli.main(["verify", f"{NAME}@refs/pr/1"]) == 0
+    assert capsys.readouterr().out.startswith(f"{NAME}@refs/pr/1: 3 episodes")
+    assert cli.main(["verify", f"{NAME}@{refs['v3.0']}"]) == 0
+    assert cli.main(["columns", f"{NAME}@v3.0"]) == 0
+    printed = capsys.readouterr().out
+    assert f"path: {NAME}\n" in printed
+    assert f"hf download {NAME} --repo-type dataset --revision {refs['v3.0']}" in printed
+    assert cli.main(["verify", f"{NAME}@main", "--revision", "main"]) == 2
+    assert f"expected owner/name, found {NAME}@main" in capsys.readouterr().err
+    assert cli.main(["diff", f"{NAME}@v9", NAME]) == 2
+    expected = f"no folder {NAME} here, and the Hub's dataset has no revision v9\n"
+    assert capsys.readouterr().err.endswith(expected)
+
+
+def test_two_revisions_are_compared(
+    elsewhere: Hub, old: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Of the videos no more is fetched than is compared."""
+    put(elsewhere, old, "v2.1")
+    fewer = older.write(tmp_path / "arm", arm.recording(2))
+    put(elsewhere, fewer)
+    a, b = f"{NAME}@v2.1", f"{NAME}@main"
+    assert cli.main(["diff", a, b, "--pictures", "0"]) == 1
+    assert not any(name.startswith("videos") for name in fetched(elsewhere))
+    assert cli.main(["diff", a, b]) == 1
+    lines = capsys.readouterr().out.splitlines()
+    assert "dropped: not in B: episode 2" in lines
+    assert lines[-1].startswith(f"A {a}, B {b}: 3 and 2 episodes: 2 the same; 1 dropped")
+    assert {older.video(i) for i in range(2)} <= fetched(elsewhere)
+    other = arm.write(tmp_path / "other", arm.recording(2, seed=9), pictures=True)
+    put(elsewhere, other, name="theirs/other")
+    assert cli.main(["diff", str(old), "theirs/other"]) == 1
+    assert not any(name.startswith("videos") for name in fetched(elsewhere))
+    assert cli.main(["diff", str(old), "theirs/nothing"]) == 2
+    assert "no folder theirs/nothing here, and no such dataset" in capsys.readouterr().err
+
+
 def test_a_folder_of_this_name_comes_first(
     elsewhere: Hub, old: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    shutil.copytree(old, f"{NAME}@v9")
+    assert cli.main(["verify", f"{NAME}@v9"]) == 0
     shutil.copytree(old, NAME)
     assert cli.main(["verify", NAME]) == 0
     assert cli.main(["verify", NAME, "--revision", "main"]) == 2

@@ -26,7 +26,7 @@ class Comparison:
     """What was found.
 
     Attributes:
-        a, b: the datasets' folders.
+        a, b: what the datasets are called: their folders, or names on the Hub.
         episodes: of A and of B.
         differences: all of them, of one episode each; or what is shared, where that was asked.
         same: episodes of both in which nothing differs.
@@ -88,9 +88,10 @@ class Comparison:
 
 
 def compare_datasets(a: Path, b: Path, *, pictures: int = STRIDE, lines: int = LINES) -> Comparison:
-    """What differs between two LeRobot v3.0 datasets; nothing is written to them.
+    """What differs between two LeRobot datasets; nothing is written to them.
 
     Args:
+        a, b: folders of v3.0, or what `lfr.curation.diff.forms.as_dataset` gave.
         pictures: every how many frames one is decoded and compared, of episodes whose packets
             differ; 0 leaves the videos.
         lines: how many dimensions have a line at most, whose statistics have moved.
@@ -110,7 +111,7 @@ def compare_datasets(a: Path, b: Path, *, pictures: int = STRIDE, lines: int = L
     other = {pair for one in differences for pair in one.episodes}
     x, y = (side.episode.tolist() for side in sides)
     same = sum((x[one], y[two]) not in other for one, two in found.pairs)
-    return Comparison(Path(a), Path(b), (len(x), len(y)), tuple(differences), same,
+    return Comparison(sides[0].name, sides[1].name, (len(x), len(y)), tuple(differences), same,
                       tuple(not_compared), named=lines)  # fmt: skip
 
 
@@ -118,16 +119,17 @@ def compare_leakage(train: Path, test: Path, *, pictures: bool = True) -> Compar
     """What a training set, A, and a test set, B, share.
 
     Args:
+        train, test: as `a` and `b` of `compare_datasets`.
         pictures: whether to look for key frames that both have.
 
     Raises:
-        DataError: one is no LeRobot v3.0 dataset, or cannot be read.
+        DataError: one is no such dataset, or cannot be read.
     """
     sides, shared, not_compared = _opened(train, test)
     found = list(find_leaks(*sides, shared, pictures, not_compared))
     if not pictures:
         not_compared.append("pictures")
-    return Comparison(Path(train), Path(test), (len(sides[0]), len(sides[1])), tuple(found),
+    return Comparison(sides[0].name, sides[1].name, (len(sides[0]), len(sides[1])), tuple(found),
                       not_compared=tuple(not_compared), leakage=True)  # fmt: skip
 
 

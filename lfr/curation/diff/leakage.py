@@ -109,6 +109,7 @@ def _identical(a: Side, b: Side, rows: Sequence[Hashes]) -> Iterator[tuple[Pair,
 
 def _key_frames(side: Side, key: str, not_compared: list[str]) -> tuple[Hashes, Rows]:
     camera = Camera(side, key)
+    side.contents.source.fetch("videos")
     hashes: list[Hashes] = [np.zeros(0, np.uint64)]
     episodes: list[Rows] = [np.zeros(0, np.int64)]
     for position in range(len(side)):

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from lfr.curation.contents import Contents
 from lfr.curation.diff.fingerprints import Hashes
+from lfr.curation.diff.h264 import without_repeats
 from lfr.curation.diff.side import Side
 from lfr.curation.finding import Finding, Unreadable, unreadable
 
@@ -59,16 +60,18 @@ def read_packets(path: Path) -> Packets:
     with av.open(str(path)) as container:
         stream = container.streams.video[0]
         context = stream.codec_context
+        codec, extra = stream.codec.canonical_name, bytes(context.extradata or b"")
         for packet in container.demux(stream):
             if not packet.size:
                 continue  # the flush at the end
-            content = hashlib.blake2b(bytes(packet), digest_size=8).digest()
+            content = without_repeats(bytes(packet), extra) if codec == "h264" else bytes(packet)
+            content = hashlib.blake2b(content, digest_size=8).digest()
             times.append(len(times) if packet.pts is None else packet.pts)
             hashes.append(int.from_bytes(content, "little"))
             keys.append(packet.is_keyframe)
         described = f"{context.name} {context.width}x{context.height}"
-        name = f"{stream.codec.canonical_name} {context.width}x{context.height}"
-        setup = described.encode() + bytes(context.extradata or b"")
+        name = f"{codec} {context.width}x{context.height}"
+        setup = described.encode() + extra
     shown = np.argsort(np.array(times, np.int64), kind="stable")
     is_key = np.array(keys, bool)[shown]
     if not is_key.any():

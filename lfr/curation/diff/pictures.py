@@ -39,6 +39,9 @@ def compare_pictures(a: Side, b: Side, found: Matching, stride: int) -> Iterator
         if key not in b.contents.pictures():
             continue
         cameras = Camera(a, key), Camera(b, key)
+        if found.pairs:
+            for side in (a, b):
+                side.contents.source.fetch("videos")
         for pair in progress(found.pairs, f"pictures of {key}", "episode"):
             name = "A"
             try:

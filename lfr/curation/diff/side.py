@@ -47,6 +47,7 @@ class Side:
         """Raises DataError: there is no dataset, or one that cannot be read."""
         with readable(path):
             contents = Contents.open(path)
+            contents.source.fetch("data")
             _ = contents.features
             episode, length = contents.episode_column("episode_index"), contents.lengths
             if {episode.dtype.kind, length.dtype.kind} - {
@@ -77,6 +78,11 @@ class Side:
     @property
     def path(self) -> Path:
         return self.contents.path
+
+    @property
+    def name(self) -> Path:
+        """What whoever asked for it called it."""
+        return Path(self.contents.source.name)
 
     def __len__(self) -> int:
         return len(self.episode)
