@@ -220,6 +220,8 @@ BROKEN: dict[str, tuple[Break, str, str, str]] = {
                                  "schema", "error", "meta/info.json, column index"),
     "too few names": (feature("action", names=["a", "b"]), "schema", "error",
                       "column action, found 2, expected 7"),
+    "actions without names": (feature("action", names=None), "schema", "warning",
+                              "no names.*observation.state has some: meta/info.json, column act"),
     "no shape": (feature("action", shape=None), "schema", "error", "no shape.*column action"),
     "another dtype": (retyped("action", pa.list_(pa.float64(), 7), lambda v: v), "dtype", "error",
                       "column action, found float64, expected float32"),

@@ -12,10 +12,11 @@ from lfr.curation import edit
 from lfr.curation.contents import Contents
 from lfr.curation.finding import Finding
 from lfr.curation.verify import Report, verify_dataset
+from lfr.data.episode import ACTION, STATE
 from lfr.errors import DataError
 
 from . import made_up
-from .broken import BROKEN, EPISODES, column, cut, info, stats
+from .broken import BROKEN, EPISODES, column, cut, feature, info, stats
 
 
 def test_a_sound_dataset_has_no_finding(sound: Path) -> None:
@@ -116,6 +117,17 @@ def test_other_projects_names_have_no_ranges(by_lerobot: Path, tmp_path: Path) -
     dataset = shutil.copytree(by_lerobot, tmp_path / "theirs")
     info(features={**json.loads((dataset / "meta/info.json").read_text())["features"]})(dataset)
     assert not [f for f in verify_dataset(dataset).findings if f.check == "range"]
+
+
+def test_who_names_no_actions_at_all_leaves_nothing_out(sound: Path, tmp_path: Path) -> None:
+    """LeRobot's recorder for reinforcement learning names actions alone, its evaluation neither."""
+    for number, unnamed in enumerate(([STATE], [ACTION, STATE])):
+        path = shutil.copytree(sound, tmp_path / str(number))
+        for key in unnamed:
+            feature(key, names=None)(path)
+        assert not verify_dataset(path).findings
+    feature(STATE, names=["all of them"])(path)
+    assert {one.column for one in verify_dataset(path).findings} == {STATE}
 
 
 def test_a_killed_recording_by_lerobot_is_found(tmp_path: Path) -> None:

@@ -10,7 +10,8 @@ import pyarrow as pa
 
 from lfr.curation.contents import INFO, NOT_NUMBERS, Contents
 from lfr.curation.finding import Finding
-from lfr.data.features import names_of
+from lfr.data.episode import ACTION, STATE
+from lfr.data.features import names_of, shape_of
 
 # LeRobot's own columns and their types
 DEFAULT_DTYPES = {
@@ -37,6 +38,7 @@ def check_schema(contents: Contents) -> Iterator[Finding]:
         yield Finding("info", "no robot_type", "warning", INFO, column="robot_type")
     for key, feature in contents.features.items():
         yield from _described(key, feature)
+    yield from _named(contents)
     yield from _episode_files(contents)
     for file, schema in zip(contents.data_files, contents.schemas, strict=True):
         for finding in _file(contents, relative := contents.relative(file), schema):
@@ -68,6 +70,21 @@ def _described(key: str, feature: dict[str, Any]) -> Iterator[Finding]:
         yield Finding("schema", "another number of names than dimensions",
                       "warning" if one else "error", INFO, column=key, found=len(names),
                       expected=shape[0])  # fmt: skip
+
+
+def _named(contents: Contents) -> Iterator[Finding]:
+    """Actions without names beside states with names, which no writer of LeRobot's leaves.
+
+    The other way round is clean: its recorder for reinforcement learning names actions alone. And
+    where neither has names, nothing says that either should.
+    """
+    if not {ACTION, STATE} <= set(contents.numeric()):
+        return
+    action, state = (contents.features[key] for key in (ACTION, STATE))
+    is_named = len(names := names_of(state)) > 1 and [len(names)] == shape_of(state)
+    if is_named and shape_of(action) != [1] and not names_of(action):
+        message = f"no names of its dimensions, and {STATE} has some"
+        yield Finding("schema", message, "warning", INFO, None, ACTION)
 
 
 def _file(contents: Contents, name: str, schema: pa.Schema) -> Iterator[Finding]:
