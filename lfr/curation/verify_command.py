@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lfr.curation.repair import command as repair
-from lfr.errors import LfrError
+from lfr.errors import DataError, LfrError
 
 if TYPE_CHECKING:
     from lfr.curation.verify import Report
@@ -75,7 +75,6 @@ def run(arguments: argparse.Namespace) -> int:
     """
     from lfr.curation.accepted import accept, read_accepted
     from lfr.curation.fail_on import FailOn
-    from lfr.curation.verify import verify_dataset
     from lfr.curation.verify_logs import has_logs, verify_logs
     from lfr.data.opening import opened
 
@@ -93,7 +92,7 @@ def run(arguments: argparse.Namespace) -> int:
         if has_logs(path):
             report = verify_logs(path, arguments.pictures)
         else:
-            report = verify_dataset(path, arguments.logs, arguments.pictures)
+            report = _verified(path, arguments)
         if arguments.accept is not None:
             report = accept(report, entries, arguments.accept)
         _write(arguments, report)
@@ -104,6 +103,22 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         _print(report, arguments.scores)
     return WRONG if fail_on.fails(report.findings) else 0
+
+
+def _verified(path: Path, arguments: argparse.Namespace) -> Report:
+    """The report of a dataset; with what to do where its info.json is in the way of all checks."""
+    from lfr.curation.verify import verify_dataset
+
+    is_here = path == arguments.path
+    try:
+        report = verify_dataset(path, arguments.logs, arguments.pictures)
+    except DataError as error:
+        if is_here and (advice := repair.about_lost_info(path)):
+            raise LfrError(f"{error}; {advice}") from error
+        raise
+    if is_here and report.contents is None and (advice := repair.about_lost_info(path)):
+        print(f"note: of meta/info.json: {advice}", file=sys.stderr)
+    return report
 
 
 def _write(arguments: argparse.Namespace, report: Report) -> None:

@@ -213,6 +213,49 @@ def test_a_lost_info_is_told_from_the_files(
     assert_opens(tmp_path / "new", sound)
 
 
+def advice(dataset: Path, capsys: pytest.CaptureFixture[str]) -> list[str]:
+    """Lines of `lfr verify` that name `--fix`; nothing of it is for machines to read."""
+    cli.main(["verify", str(dataset)])
+    cli.main(["verify", str(dataset), "--json"])
+    printed = capsys.readouterr()
+    assert "--fix" not in printed.out
+    return [line for line in printed.err.splitlines() if "--fix" in line]
+
+
+@pytest.mark.parametrize("damage", [removed(INFO), cut(INFO, 0.0), cut(INFO, 0.5),
+                                    json_of(INFO, lambda i: i.clear())])  # fmt: skip
+def test_a_lost_info_leads_to_fix(
+    dataset: Path, damage: Break, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    damage(dataset)
+    said = advice(dataset, capsys)
+    assert len(said) == 2
+    assert said[0].endswith(f"`lfr verify {dataset} --fix` rebuilds it from the other files")
+    assert cli.main(["verify", str(dataset), "--fix", "--out", str(tmp_path / "new")]) == 0
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda d: column(DATA, "timestamp", lambda v: v.__setitem__(slice(None), [0.0] * len(v)))(
+            d
+        ),
+        removed(DATA),
+        cut(DATA, 0.5),
+        lambda d: (d / DATA).rename(d / "data/chunk-000/rows.parquet"),
+    ],
+)
+def test_what_fix_cannot_rebuild_does_not_lead_to_it(
+    dataset: Path, damage: Break, capsys: pytest.CaptureFixture[str]
+) -> None:
+    damage(dataset)
+    for lost in (cut(INFO, 0.0), removed(INFO)):
+        lost(dataset)
+        assert not advice(dataset, capsys)
+        cli.main(["verify", str(dataset), "--fix"])
+        assert f"would mend: {INFO}: " not in capsys.readouterr().out
+
+
 def test_of_an_info_that_was_cut_off_the_rest_is_kept(
     dataset: Path, sound: Path, tmp_path: Path
 ) -> None:
@@ -432,9 +475,31 @@ def test_a_dry_run_says_all_and_writes_nothing(
     assert bytes_of(dataset.parent) == before
     assert cli.main(["verify", str(dataset), "--fix", "--json"]) == 1
     content = json.loads(capsys.readouterr().out)
-    assert content["written"] is None
-    assert [repair["file"] for repair in content["repairs"]] == [STATS]
-    assert content["after"]["errors"] < content["before"]["errors"]
+    fix = content.pop("fix")
+    assert fix["written"] is None
+    assert [repair["file"] for repair in fix["repairs"]] == [STATS]
+    assert fix["before"] == content["findings"]
+    assert len(fix["after"]) < len(fix["before"])
+    assert cli.main(["verify", str(dataset), "--json"]) == 1
+    assert json.loads(capsys.readouterr().out) == content
+
+
+def test_json_is_of_what_was_written(
+    dataset: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """So what reads the one, `--accept` and `lfr view --findings`, reads the other."""
+    from lfr.curation.saved_report import read_report
+
+    BROKEN["a mean"][0](dataset)
+    put(DATA, "timestamp", 16, 0.05)(dataset)
+    new, file = tmp_path / "new", tmp_path / "report.json"
+    assert cli.main(["verify", str(dataset), "--fix", "--out", str(new), "--json"]) == 1
+    file.write_text(capsys.readouterr().out)
+    content = json.loads(file.read_text())
+    assert (content["path"], content["fix"]["written"]) == (str(new), str(new))
+    assert content["findings"] == content["fix"]["after"] != content["fix"]["before"]
+    assert [*map(str, read_report(file).findings)] == [*map(str, verify_dataset(new).findings)]
+    assert cli.main(["verify", str(new), "--accept", str(file)]) == 0
 
 
 def test_in_place_keeps_the_old_files(

@@ -50,6 +50,15 @@ def asked(arguments: argparse.Namespace) -> bool:
     return arguments.fix
 
 
+def about_lost_info(path: Path) -> str:
+    """What to do where the info.json of the dataset at `path` is lost or cut off; "" where there is
+    nothing that this could do.
+    """
+    from lfr.curation.repair.info import can_rebuild
+
+    return f"`lfr verify {path} --fix` rebuilds it from the other files" * can_rebuild(path)
+
+
 def run(arguments: argparse.Namespace) -> Report:
     """Mend, or say what would be mended.
 
@@ -84,7 +93,7 @@ def run(arguments: argparse.Namespace) -> Report:
         print(json.dumps(_as_json(plan, written, backup), indent=2, ensure_ascii=False))
     else:
         print("\n".join(_lines(plan, written, backup)))
-    return plan.after if written else plan.before
+    return _there_is(plan, written)
 
 
 def _lines(plan: Plan, written: Path | None, backup: Path | None) -> Iterator[str]:
@@ -112,11 +121,16 @@ def _lines(plan: Plan, written: Path | None, backup: Path | None) -> Iterator[st
 
 
 def _as_json(plan: Plan, written: Path | None, backup: Path | None) -> dict[str, Any]:
-    return {
-        "before": plan.before.as_json(),
+    fix = {
+        "before": [finding.as_json() for finding in plan.before.findings],
         "repairs": [asdict(repair) for repair in plan.repairs],
         "not_mended": plan.reasons,
-        "after": plan.after.as_json(),
+        "after": [finding.as_json() for finding in plan.after.findings],
         "written": written and str(written),
         "backup": backup and str(backup),
     }
+    return {**_there_is(plan, written).as_json(), "fix": fix}
+
+
+def _there_is(plan: Plan, written: Path | None) -> Report:
+    return plan.after if written else plan.before

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ import numpy as np
 
 from lfr.curation.checks.order import TOLERANCE_S
 from lfr.curation.contents import DEFAULT_FEATURES, INFO, Contents
+from lfr.curation.finding import Unreadable
 from lfr.curation.meta_files import write_json
 from lfr.curation.mp4 import BrokenVideoError, read_header
 from lfr.curation.repair.cut_json import whole_entries
@@ -18,6 +20,7 @@ from lfr.curation.repair.draft import Draft, Unmendable
 from lfr.curation.repair.features import columns_of, features_of, unnamed
 from lfr.data.source import source_of
 from lfr.data.tables import VERSION, files_below, is_older
+from lfr.errors import DataError
 
 MOST = 0.9  # of the rows' steps are of one length: a rate is told by them
 ORDER = ("codebase_version", "fps", "features", "total_episodes", "total_frames", "total_tasks",
@@ -31,6 +34,19 @@ def is_lost(path: Path) -> bool:
     files = files_below(path / "data", ".parquet") if path.is_dir() else []
     named = files and all(re.fullmatch(r"file-\d+\.parquet", file.name) for file in files)
     return bool(named) and "codebase_version" not in found and not is_older(path)
+
+
+def can_rebuild(path: Path) -> bool:
+    """Whether an info.json that is lost or cut off can be told from the rest; tried aside."""
+    try:
+        if not is_lost(path) and (not (path / INFO).is_file() or _read(path)[1]):
+            return False
+        with tempfile.TemporaryDirectory(prefix="lfr-fix-") as folder:
+            draft = Draft.of(path, Path(folder))
+            mend_info(draft)
+            return INFO in draft.changed
+    except (Unmendable, Unreadable, DataError, OSError):
+        return False
 
 
 def mend_info(draft: Draft) -> None:
