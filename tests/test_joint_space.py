@@ -127,12 +127,14 @@ def test_where_sawyers_stack_is_lost(line: Row) -> None:
 
 AS_IT_IS = {
     "repetition": "1", "hidden": "128", "layers": "6", "steps": "6000", "moved_copies": "16",
-    "input_noise": "0.2", "weight_decay": "0.01", "members": "1",
+    "input_noise": "0.2", "weight_decay": "0.01", "members": "1", "distilled_noise": "",
 }  # fmt: skip
 PRIORS = {
     "as it is": {}, "12,000 steps": {"steps": "12000"}, "48 copies": {"moved_copies": "48"},
     "input noise 0.3": {"input_noise": "0.3"}, "weight decay 0.1": {"weight_decay": "0.1"},
     "3 layers": {"layers": "3"}, "256 units": {"hidden": "256"}, "mean of 3": {"members": "3"},
+    "mean of 6": {"members": "6"}, "taught by 3": {"members": "3", "distilled_noise": "0.2"},
+    "taught by 3, input noise 0.5": {"members": "3", "distilled_noise": "0.5"},
 }  # fmt: skip
 
 
