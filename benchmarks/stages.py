@@ -2,12 +2,12 @@
 
     python -m benchmarks.stages [--before REVISION] [--repeats 1] [--out results/benchmarks]
 
-The stages skills, mapping and transfer of one arm and transfer run as `dvc repro` runs them, with
-the parameters of params.yaml, in clones of this repository: of HEAD and, if asked for, of another
-revision, alternately. Datasets and the models that a stage needs are the project's own, so `dvc
-repro` comes first. A stage's time is also given in yardsticks: one is the time of 100 products of
-two 1024 x 1024 matrices of float32 on one core, taken right before the stage. It needs a machine
-that is otherwise quiet.
+The stages skills, mapping and transfer of the first transfer of params.yaml, and of its target, run
+as `dvc repro` runs them, with each revision's own parameters, in clones of this repository: of HEAD
+and, if asked for, of another revision that has the same transfer, alternately. Datasets and the
+models that a stage needs are the project's own, so `dvc repro` comes first. A stage's time is also
+given in yardsticks: one is the time of 100 products of two 1024 x 1024 matrices of float32 on one
+core, taken right before the stage. It needs a machine that is otherwise quiet.
 """
 
 from __future__ import annotations
@@ -26,14 +26,18 @@ import torch
 from benchmarks._datasets import scratch
 from benchmarks._figures import FOLDER, Figure, show, within, write
 from lfr.artifacts import read_json
+from lfr.params import read_names
+from lfr.scenarios import transfer
 
-TRANSFER = "s1-panda-lift"
+TRANSFER = transfer(read_names("transfers")[0])
 STAGES = {
-    "skills": ("--robot", "panda"),
-    "mapping": ("--transfer", TRANSFER),
-    "transfer": ("--transfer", TRANSFER, "--method", "lfr"),
+    "skills": ("--robot", TRANSFER.target),
+    "mapping": ("--transfer", TRANSFER.name),
+    "transfer": ("--transfer", TRANSFER.name, "--method", "lfr"),
 }
-RESULTS = {"skills": "panda", "mapping": TRANSFER, "transfer": f"{TRANSFER}-lfr"}
+RESULTS = {
+    "skills": TRANSFER.target, "mapping": TRANSFER.name, "transfer": f"{TRANSFER.name}-lfr",
+}  # fmt: skip
 GOALS = {"skills": 0.5, "mapping": 0.5, "transfer": 2 / 3}
 GIB = 2**30
 GIB_GOAL = 3.0  # of any one process
@@ -69,7 +73,7 @@ def clone(folder: Path, revision: str) -> Path:
     subprocess.run(["git", "checkout", "--quiet", revision], cwd=folder, check=True)
     (folder / "data").mkdir(exist_ok=True)
     (folder / "data/lerobot").symlink_to(Path("data/lerobot").resolve())
-    for models in ("skills", f"mapping/{TRANSFER}"):
+    for models in ("skills", f"mapping/{TRANSFER.name}"):
         shutil.copytree(Path("models") / models, folder / "models" / models)
     compile_kernel = "from lfr.sim.simulation import Simulation; Simulation('panda', 'lift')"
     subprocess.run([sys.executable, "-c", compile_kernel], cwd=folder, check=True)
