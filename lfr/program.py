@@ -58,15 +58,16 @@ def run_stage(main: Callable[..., None], arguments: Sequence[str] | None = None)
         )
     keys = vars(parser.parse_args(arguments))
     if "DVC_STAGE" in os.environ:
-        threading.Thread(target=_end_with, args=(os.getppid(),), daemon=True).start()
+        end_with_parent()  # the next `dvc repro` would run the stage a second time beside this one
     return run_program(lambda: main(**keys))
 
 
-def _end_with(parent: int) -> None:
-    """End with the `dvc repro` that started this stage, even if that was killed outright.
+def end_with_parent() -> None:
+    """End this process once the one that started it has ended, even if that was killed outright."""
+    threading.Thread(target=_end_with, args=(os.getppid(),), daemon=True).start()
 
-    The next `dvc repro` would otherwise run the stage a second time beside this one.
-    """
+
+def _end_with(parent: int) -> None:
     while os.getppid() == parent:
         time.sleep(1.0)
     os._exit(1)

@@ -18,7 +18,7 @@ from lfr.program import run_program
 
 BEGIN, END = "<!-- dag -->", "<!-- /dag -->"
 SHOWN_IN = ("README.md", "docs/dvc.md")
-NODE = re.compile(r'^\s*(node\d+)\["([^"@]+)(?:@[^"]*)?"\]$', re.MULTILINE)
+NODE = re.compile(r'^\s*(node\d+)\["([^"]+)"\]$', re.MULTILINE)
 EDGE = re.compile(r"^\s*(node\d+)-->(node\d+)$", re.MULTILINE)
 
 
@@ -35,15 +35,25 @@ def dvc_dag(project: Path = Path()) -> str:
     return done.stdout
 
 
+def stages_before(mermaid: str) -> dict[str, set[str]]:
+    """Of each stage in DVC's graph those that it depends on directly."""
+    stage_of = dict(NODE.findall(mermaid))
+    before: dict[str, set[str]] = {stage: set() for stage in stage_of.values()}
+    for a, b in EDGE.findall(mermaid):
+        before[stage_of[b]].add(stage_of[a])
+    return before
+
+
 def collapsed(mermaid: str) -> str:
     """DVC's graph with one box for each stage, as Markdown.
 
     The boxes stand in the order of the data: after all that they depend on.
     """
-    stage_of = dict(NODE.findall(mermaid))
-    counts = Counter(stage_of.values())
-    edges = {(stage_of[a], stage_of[b]) for a, b in EDGE.findall(mermaid)}
-    before = {stage: {a for a, b in edges if b == stage != a} for stage in counts}
+    runs = stages_before(mermaid)
+    counts = Counter(map(_name, runs))
+    before: dict[str, set[str]] = {stage: set() for stage in counts}
+    for run, earlier in runs.items():
+        before[_name(run)] |= {_name(one) for one in earlier} - {_name(run)}
     order: list[str] = []
     while len(order) < len(before):
         order.append(min(s for s in before if s not in order and before[s] <= set(order)))
@@ -53,6 +63,10 @@ def collapsed(mermaid: str) -> str:
     ]
     lines = [f"    {a} --> {b}" for a in order for b in order if a in before[b]]
     return "\n".join(["```mermaid", "flowchart LR", *boxes, *lines, "```"])
+
+
+def _name(run: str) -> str:
+    return run.partition("@")[0]
 
 
 def shown(text: str) -> str | None:

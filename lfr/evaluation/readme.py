@@ -32,7 +32,7 @@ def results_block(results: Path = RESULTS) -> str:
 
 
 def _times(results: Path) -> str:
-    """One sentence: how long the stages took, by their own metrics; "" without any."""
+    """One sentence: how long the stages took, beside others, by their own metrics; "" without."""
     seconds = {
         stage: [run.seconds for run in keys.values()]
         for stage, keys in stage_runs(results).items()
@@ -41,5 +41,4 @@ def _times(results: Path) -> str:
     if not seconds:
         return ""
     each = ", ".join(f"{name} {sum(runs):.0f} ({len(runs)})" for name, runs in seconds.items())
-    minutes = sum(sum(runs) for runs in seconds.values()) / 60
-    return f"Seconds of each stage (runs): {each}; {minutes:.0f} minutes together."
+    return f"Seconds of each stage (runs), of which several run at a time: {each}."
