@@ -18,15 +18,14 @@ import pyarrow.parquet as pq
 from lfr.artifacts import read_json, write_json
 from lfr.curation.exact_stats import dataset_stats, episode_stats
 from lfr.data.episode import DONE, FEATURES, REWARD, SUCCESS, features_of
+from lfr.data.layout import DATA_PATH, DEFAULT_FEATURES
 from lfr.data.tables import VERSION
 from lfr.embodiments import embodiment
 from lfr.spaces import ROBOT_STATE
 from lfr.tasks import task
 
-DATA_PATH = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
 EPISODES = "meta/episodes/chunk-000/file-000.parquet"
 FILE_ROWS = 400_000  # of one Parquet file: about the 100 MB at which LeRobot begins another
-DEFAULTS = ("timestamp", "frame_index", "episode_index", "index", "task_index")
 
 
 @dataclass(frozen=True)
@@ -63,13 +62,13 @@ def write_dataset(
         "index": np.arange(rows),
         "task_index": np.zeros(rows, np.int64),
     }
-    columns |= {name: numbers[name] for name in DEFAULTS}
+    columns |= {name: numbers[name] for name in DEFAULT_FEATURES}
     file = _write_rows(path, columns, ends, lengths)
     described = {
         key: {"dtype": f.dtype, "shape": [len(f.names or ())], "names": list(f.names or ())}
         for key, f in schema.items()
     }
-    for key in DEFAULTS:
+    for key in DEFAULT_FEATURES:
         described[key] = {"dtype": str(columns[key].dtype), "shape": [1], "names": None}
     episodes = {
         "episode_index": np.arange(size.episodes),

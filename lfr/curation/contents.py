@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from lfr.artifacts import files_below, parse_json
 from lfr.curation.finding import Finding, Unreadable, unreadable
-from lfr.data import tables
+from lfr.data import layout, tables
 from lfr.data.features import shape_of
 from lfr.data.source import VERSION, Source, source_of
 from lfr.data.tables import is_older, other_format
@@ -27,7 +27,7 @@ INFO = "meta/info.json"
 STATS = "meta/stats.json"
 TASKS = "meta/tasks.parquet"
 EPISODES = "meta/episodes"
-DEFAULT_FEATURES = ("timestamp", "frame_index", "episode_index", "index", "task_index")
+DEFAULT_FEATURES = tuple(layout.DEFAULT_FEATURES)
 PICTURES = ("video", "image")  # dtypes of features that are not numbers
 NOT_NUMBERS = (*PICTURES, "string", "language")
 

@@ -17,6 +17,7 @@ from lfr.artifacts import file_hash, write_whole
 from lfr.data.checks import check_dataset
 from lfr.data.episode import FPS, IMAGES, Episode
 from lfr.data.frames import FrameWriter
+from lfr.data.layout import video_path
 from lfr.data.log_checks import LogKind
 from lfr.data.log_reader import read_log
 from lfr.data.meta import MetaWriter
@@ -69,8 +70,6 @@ class _DatasetWriter:
     """Writes data, videos and meta of one dataset, an episode at a time."""
 
     def __init__(self, root: Path, logs: Sequence[Path], video: bool, fps: int) -> None:
-        from lerobot.datasets.utils import DEFAULT_VIDEO_PATH
-
         from lfr.data.video import VideoWriter
 
         log = Path(logs[0])
@@ -81,12 +80,7 @@ class _DatasetWriter:
         }
         self.frames = FrameWriter(root, self.features, fps)
         self.cameras = {
-            camera: VideoWriter(
-                root,
-                IMAGES + camera,
-                DEFAULT_VIDEO_PATH.replace("{video_key}", IMAGES + camera),
-                fps,
-            )
+            camera: VideoWriter(root, IMAGES + camera, video_path(IMAGES + camera), fps)
             for camera in (first.images if video else ())
         }
         self.meta = MetaWriter(root, first.robot, fps)

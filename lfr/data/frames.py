@@ -10,13 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lfr.data.episode import ACTION
+from lfr.data.layout import CHUNK_SIZE, DATA_MEGABYTES, DATA_PATH, DEFAULT_FEATURES, row_schema
 from lfr.data.stats import Stats, vector_stats
 
 if TYPE_CHECKING:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-MAX_BYTES = 100 * 2**20  # of one Parquet file, before compression; LeRobot's data_files_size_in_mb
+MAX_BYTES = DATA_MEGABYTES * 2**20  # of one Parquet file, before compression
 
 
 class FrameWriter:
@@ -28,15 +29,10 @@ class FrameWriter:
 
     def __init__(self, root: Path, features: Mapping[str, Mapping[str, Any]], fps: int) -> None:
         """For the dataset at `root`, with these entries of its info.json, LeRobot's own aside."""
-        from lerobot.datasets.feature_utils import get_hf_features_from_features
-        from lerobot.datasets.utils import DEFAULT_DATA_PATH
-        from lerobot.utils.constants import DEFAULT_FEATURES
-
         self.episodes, self.frames = 0, 0
-        self._root, self._path, self._fps = root, DEFAULT_DATA_PATH, fps
+        self._root, self._fps = root, fps
         self._keys = tuple(features)
-        arrow = get_hf_features_from_features({**features, **DEFAULT_FEATURES}).arrow_schema
-        self._schema: pa.Schema = arrow
+        self._schema: pa.Schema = row_schema({**features, **DEFAULT_FEATURES})
         self._columns: dict[str, list[NDArray]] = {key: [] for key in self._schema.names}
         self._parquet: pq.ParquetWriter | None = None
         self._files, self._bytes = 0, 0
@@ -59,8 +55,8 @@ class FrameWriter:
         stats = _stats(columns.items())
         self._write_row_group(columns)
         where = {
-            "data/chunk_index": (self._files - 1) // 1000,
-            "data/file_index": (self._files - 1) % 1000,
+            "data/chunk_index": (self._files - 1) // CHUNK_SIZE,
+            "data/file_index": (self._files - 1) % CHUNK_SIZE,
             "dataset_from_index": self.frames,
             "dataset_to_index": self.frames + length,
         }
@@ -99,8 +95,8 @@ class FrameWriter:
             self._parquet.close()
             self._parquet = None
         if self._parquet is None:
-            path = self._root / self._path.format(
-                chunk_index=self._files // 1000, file_index=self._files % 1000
+            path = self._root / DATA_PATH.format(
+                chunk_index=self._files // CHUNK_SIZE, file_index=self._files % CHUNK_SIZE
             )
             path.parent.mkdir(parents=True, exist_ok=True)
             self._parquet = pq.ParquetWriter(

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from lfr.data.layout import DEFAULT_FEATURES, EPISODES_PATH
 from lfr.data.stats import Stats
 
 
@@ -70,8 +71,6 @@ class MetaWriter:
         from lerobot.datasets import CODEBASE_VERSION
         from lerobot.datasets.feature_utils import create_empty_dataset_info
         from lerobot.datasets.io_utils import write_info, write_stats, write_tasks
-        from lerobot.datasets.utils import DEFAULT_EPISODES_PATH
-        from lerobot.utils.constants import DEFAULT_FEATURES
 
         every: dict[str, Any] = {**features, **DEFAULT_FEATURES}
         video = any(feature["dtype"] == "video" for feature in every.values())
@@ -84,7 +83,7 @@ class MetaWriter:
         write_stats({key: stats[key] for key in every}, self._root)
         tasks = pd.Index(self.tasks, name="task")
         write_tasks(pd.DataFrame({"task_index": range(len(tasks))}, index=tasks), self._root)
-        path = self._root / DEFAULT_EPISODES_PATH.format(chunk_index=0, file_index=0)
+        path = self._root / EPISODES_PATH.format(chunk_index=0, file_index=0)
         path.parent.mkdir(parents=True)
         pq.write_table(pa.Table.from_pylist(self.rows), path, compression="snappy")
 

@@ -12,6 +12,7 @@ from lfr.artifacts import file_hash, write_json, write_whole
 from lfr.data.checks import check_dataset
 from lfr.data.episode import SUCCESS
 from lfr.data.frames import FrameWriter
+from lfr.data.layout import video_path
 from lfr.data.meta import MetaWriter
 from lfr.data.reopen import compare_with_sources
 from lfr.errors import DataError, LfrError, ParameterError
@@ -120,8 +121,6 @@ class _Writer:
     """Writes data, videos and meta, a demonstration at a time."""
 
     def __init__(self, root: Path, source: RobomimicFile, layout: Layout, known: _Known) -> None:
-        from lerobot.datasets.utils import DEFAULT_VIDEO_PATH
-
         from lfr.data.video import VideoWriter
 
         self.source, self.layout, self.known = source, layout, known
@@ -133,9 +132,7 @@ class _Writer:
         self.frames = FrameWriter(root, self.entries, known.fps)
         self.meta = MetaWriter(root, known.robot, known.fps)
         self.videos = {
-            camera: VideoWriter(
-                root, key, DEFAULT_VIDEO_PATH.replace("{video_key}", key), known.fps
-            )
+            camera: VideoWriter(root, key, video_path(key), known.fps)
             for camera, key in video_keys(layout.cameras).items()
         }
 

@@ -18,6 +18,7 @@ from lfr.curation.mp4 import BrokenVideoError, read_header
 from lfr.curation.repair.cut_json import whole_entries
 from lfr.curation.repair.draft import Draft, Unmendable
 from lfr.curation.repair.features import columns_of, features_of, unnamed
+from lfr.data import layout
 from lfr.data.source import source_of
 from lfr.data.tables import VERSION, files_below, is_older
 from lfr.errors import DataError
@@ -176,13 +177,11 @@ def _rates_of_videos(path: Path) -> list[float]:
 
 def _name_files(info: dict[str, Any], contents: Contents, whole: bool) -> None:
     """LeRobot's own names, where the files have these, and its own sizes of files."""
-    from lerobot.datasets import utils
-
     place = r"/chunk-\d{3,}/file-\d{3,}"
     video = any(f.get("dtype") == "video" for f in info["features"].values())
     for name, default, folder, pattern in (
-        ("data_path", utils.DEFAULT_DATA_PATH, "data", rf"data{place}\.parquet"),
-        ("video_path", utils.DEFAULT_VIDEO_PATH, "videos", rf"videos/[^/]+{place}\.mp4"),
+        ("data_path", layout.DATA_PATH, "data", rf"data{place}\.parquet"),
+        ("video_path", layout.VIDEO_PATH, "videos", rf"videos/[^/]+{place}\.mp4"),
     ):
         if isinstance(info.get(name), str):
             continue
@@ -195,6 +194,6 @@ def _name_files(info: dict[str, Any], contents: Contents, whole: bool) -> None:
                                  "not named as LeRobot names its files")  # fmt: skip
         info[name] = default
     if not whole:
-        info.setdefault("chunks_size", utils.DEFAULT_CHUNK_SIZE)
-        info.setdefault("data_files_size_in_mb", utils.DEFAULT_DATA_FILE_SIZE_IN_MB)
-        info.setdefault("video_files_size_in_mb", utils.DEFAULT_VIDEO_FILE_SIZE_IN_MB)
+        info.setdefault("chunks_size", layout.CHUNK_SIZE)
+        info.setdefault("data_files_size_in_mb", layout.DATA_MEGABYTES)
+        info.setdefault("video_files_size_in_mb", layout.VIDEO_MEGABYTES)

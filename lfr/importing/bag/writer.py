@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from lfr.artifacts import file_hash
 from lfr.data.episode import Feature
 from lfr.data.frames import FrameWriter
+from lfr.data.layout import video_path
 from lfr.data.meta import MetaWriter
 from lfr.errors import ParameterError
 from lfr.importing.bag.episodes import BagPlan
@@ -34,8 +35,6 @@ class BagWriter:
     """
 
     def __init__(self, root: Path, mapping: BagMapping, readers: Mapping[Part, PartReader]) -> None:
-        from lerobot.datasets.utils import DEFAULT_VIDEO_PATH
-
         from lfr.data.video import VideoWriter
 
         self._mapping, self._readers = mapping, readers
@@ -47,8 +46,7 @@ class BagWriter:
         self.frames = FrameWriter(root, self._entries, mapping.fps)
         self._meta = MetaWriter(root, mapping.robot_type, mapping.fps)
         self._videos = {
-            key: VideoWriter(root, key, DEFAULT_VIDEO_PATH.replace("{video_key}", key), mapping.fps)
-            for key in mapping.cameras
+            key: VideoWriter(root, key, video_path(key), mapping.fps) for key in mapping.cameras
         }
         self.wrong: list[dict[int, str]] = []
         self.written: list[tuple[Path, Values]] = []
