@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from lfr.data.layout import CHUNK_SIZE, VIDEO_MEGABYTES
 from lfr.data.priority import kept_priority
 from lfr.data.stats import Stats, image_stats
+from lfr.jobs.memory import give_back_freed_memory
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -164,7 +165,9 @@ class VideoWriter:
         if self._container is not None:
             self._container.mux(self._stream.encode())
             self._container.close()
-        self._container = self._stream = self._file = None
+            self._container = self._stream = None
+            give_back_freed_memory()  # of the encoder, tens of megabytes and more
+        self._file = None
         self._frames = 0
 
     def _size(self) -> int:

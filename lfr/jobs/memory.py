@@ -26,6 +26,15 @@ def keep_freed_memory() -> None:
         mallopt(_TOP_PAD, 2**26)
 
 
+def give_back_freed_memory() -> None:
+    """Return to the system what this process has freed and its allocator has kept all the same.
+
+    Where the C library is not glibc nothing changes.
+    """
+    if (trim := getattr(ctypes.CDLL(None), "malloc_trim", None)) is not None:
+        trim(0)
+
+
 def peak_memory() -> int:
     """Bytes: the most that any one process of this program has had in main memory so far.
 

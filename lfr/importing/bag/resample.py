@@ -41,17 +41,19 @@ def missing(
 ) -> NDArray[np.int64]:
     """The frames for which there is no message: runs (R, 2) of the first and the last of each.
 
-    They are found from the times between messages, without a list of all frames, which a clock
-    that has jumped would make endless.
+    They are found from the longer times between messages, of which there are few, without a list
+    of all frames, which a clock that has jumped would make endless.
     """
     length = (frames - 1) * SECOND // fps + 1
     first = max(int(np.searchsorted(stamps, start, side="right")) - 1, 0)
     stamps = stamps[first : int(np.searchsorted(stamps, start + length)) + 1]
     reach = int(min(tolerance, 4 * 10**18))
-    since = np.clip(stamps - start, -(2**61), 2**61)
+    gaps = np.flatnonzero(np.diff(stamps) > reach)  # no frame is missing within the others
     ahead = reach if method == "nearest" else 0
-    low = np.concatenate([[-1], np.minimum(since, length) + min(reach, 2**61)])
-    high = np.concatenate([since - min(ahead, 2**61), [length]])
+    before = np.clip(stamps[np.append(gaps, -1)] - start, -(2**61), 2**61)
+    after = np.clip(stamps[np.append(0, gaps + 1)] - start, -(2**61), 2**61)
+    low = np.concatenate([[-1], np.minimum(before, length) + min(reach, 2**61)])
+    high = np.concatenate([after - min(ahead, 2**61), [length]])
     low, high = np.clip(low, -1, length), np.clip(high, -1, length)
     later = -(-(low + 1) * fps // SECOND)  # the first frame after `low`
     earlier = -(-high * fps // SECOND) - 1  # the last one before `high`
