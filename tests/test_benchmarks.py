@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import torch
 
-from benchmarks import cameras, packing, simulation, stages, training
+from benchmarks import cameras, importing_bags, packing, simulation, stages, training
 from benchmarks import windows as reading
 from benchmarks._datasets import Size, as_of_robot, write_dataset
 from benchmarks._figures import FOLDER, within
@@ -38,6 +38,17 @@ def test_amounts_are_parts_of_the_most_that_they_may_be() -> None:
     assert (figure.ratio, figure.spread, figure.reached) == (0.75, (0.5, 1.5), True)
     assert (figure.ours, figure.theirs) == (1.5, 2.0)
     assert not within("memory", "GiB", 2.0, [2.1]).reached
+
+
+def test_a_made_up_bag_is_as_large_as_it_is_to_be_and_is_imported(tmp_path: Path) -> None:
+    figure, holds = importing_bags.measure(0.01, 5, tmp_path)
+    assert 10e6 <= holds["bytes"] < 11e6
+    assert 150e3 < holds["bytes"] / holds["pictures"] < 300e3
+    # as many frames as fit, but for the last, whose action would be the frame after it
+    frames = int(holds["seconds"] * 5)
+    assert (holds["total_episodes"], holds["total_frames"]) == (1, frames)
+    assert figure.reached
+    assert figure.ours > 100
 
 
 def test_the_same_rows_as_another_arms(dataset: Path, tmp_path: Path) -> None:
