@@ -19,10 +19,12 @@ from typing import Any
 BAD = frozenset({
     "warn", "warning", "fail", "failed", "failure", "error", "errored", "critical", "high",
     "medium", "low", "hard_fail", "exclude", "excluded", "bad", "poor", "blocked", "review",
+    "flag", "hard",
 })  # fmt: skip
-LEVEL = ("severity", "status", "level", "verdict")
+LEVEL = ("severity", "status", "level", "verdict", "quality")
 RULE = ("check_id", "rule_id", "detector_id", "metric_id", "check", "gate", "code", "id", "name")
-WORDS = ("message", "summary", "title", "reason", "column", "feature", "file")
+WORDS = ("message", "summary", "title", "reason", "column", "feature", "file", "reasons",
+         "hard_flags")  # fmt: skip
 EPISODE = ("episode", "episode_index", "episode_id", "episodes", "affected_episodes")
 NUMBER = re.compile(
     r"(?<![a-z_\d.\[])[-+]?\d+([.,]\d+)*(e[-+]?\d+)?%?", re.IGNORECASE
@@ -88,7 +90,9 @@ def _findings(part: Any, place: str, episode: str) -> Iterator[str]:
     episodes = _episodes(part)
     if any(str(part.get(key)).lower() in BAD for key in LEVEL):
         rule = [str(part[key]) for key in RULE if isinstance(part.get(key), str)][:1]
-        words = [str(part[key]) for key in WORDS if isinstance(part.get(key), str)]
+        found = (part.get(key) for key in WORDS)
+        several = (one if isinstance(one, list) else [one] for one in found)
+        words = [word for many in several for word in many if isinstance(word, str)]
         named = sorted({number for word in words for number in AN_EPISODE.findall(word)})
         for one in episodes or named or [episode]:
             line = " ".join([*(rule or [place]), *(_without_numbers(word) for word in words)])

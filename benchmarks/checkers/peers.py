@@ -142,6 +142,9 @@ CHECKERS = {
             "adduct", "adduct[video]", ("adduct", "scan", "{dataset}", "--full", "--json",
                                         "{report}"),
         ),
+        Checker(
+            "report-card", "robot-report-card[score]", ("rrc", "score", "{dataset}", "--json")
+        ),
         Checker("trajlens", "trajlens", ("trajlens", "lint", "{dataset}", "--json"), ("--deep",)),
     )
 }  # fmt: skip
