@@ -81,34 +81,48 @@ def test_what_a_linear_map_has() -> None:
 
 
 def test_what_learning_adds() -> None:
-    gains = {one: _above(one, "lfr") for one in PAPERS}
-    assert says(
-        f"{gains[STACK_SAWYER].mean} points on Sawyer's Stack and {gains[CAN].mean} on the can"
+    assert says("After 40,000 steps it is {}, {}, {} and {} %".format(*_all("lfr", learned=True)))
+    before, after = (
+        [run.successes for run in chosen(runs(), STACK_SAWYER, "lfr", learned=learned).runs]
+        for learned in (False, True)
     )
-    beyond = {one: _above(one, "retarget") for one in (STACK_SAWYER, CAN)}
     assert says(
-        f"LfR is {beyond[STACK_SAWYER].mean} and {beyond[CAN].mean} points above retargeting"
+        f"five seeds begin between {min(before)} and {max(before)} and end between {min(after)} and "
+        f"{max(after)}, it adds {_above(STACK_SAWYER, 'lfr').mean} points"
     )
-    assert all(one.low >= 0 for one in (*beyond.values(), gains[STACK_SAWYER], gains[CAN]))
-    for transfer in (LIFT, STACK_PANDA):
-        assert (mean(transfer, "lfr") >= 89, gains[transfer].mean) == (True, 1)
 
 
-def test_what_is_lost_before_the_mapping() -> None:
-    rates = mean(STACK_SAWYER, "retarget"), mean(STACK_SAWYER, "oracle")
-    assert says("retargeting has {} % as well, and the target shown the task {}".format(*rates))
-    pairs = zip(_all("recoded"), _all("retarget"), strict=True)
-    assert max(abs(first - second) for first, second in pairs) == 4
+def test_what_lfr_is_above_after_learning() -> None:
+    retarget, oracle = (_above(STACK_SAWYER, method) for method in ("retarget", "oracle"))
+    assert says(f"LfR ends {retarget.mean} points above retargeting")
+    assert says(f"{oracle.mean} above the target's own policy from its own demonstrations "
+                f"({mean(STACK_SAWYER, 'oracle')})")  # fmt: skip
+    assert min(retarget.low, oracle.low) > 0
+    assert says("On the other three it is not told apart from either.")
+    for transfer in (LIFT, STACK_PANDA, CAN):
+        for method in ("retarget", "oracle"):
+            found = _above(transfer, method)
+            assert found.low <= 0 <= found.high, (transfer, method)
+
+
+def test_what_the_mapping_loses() -> None:
+    mapped, retarget, recoded = (_all(method) for method in ("lfr", "retarget", "recoded"))
+    apart = max(abs(a - b) for a, b in zip(mapped, retarget, strict=True))
+    assert says(f"G is within {apart} points of retargeting on all four")
+    apart = max(abs(a - b) for a, b in zip(mapped[:3], recoded[:3], strict=True))
+    assert says(f"(recoded) within {apart} of G, but on the can, where it has {recoded[3]}")
 
 
 def test_beside_the_paper() -> None:
     after = dict(zip(PAPERS, _all("lfr", learned=True), strict=True))
     for transfer, words in (
-        (CAN, "on the can ({}, the paper {})"), (LIFT, "Lift ({}, {:.0f})"),
-        (STACK_PANDA, "on Panda's Stack ({}, {})"), (STACK_SAWYER, "on Sawyer's ({}, {:.0f})"),
+        (LIFT, "Lift {} (the paper {:.0f})"), (STACK_SAWYER, "Sawyer's Stack {} ({:.0f})"),
+        (STACK_PANDA, "Panda's {} ({})"), (CAN, "the can {} ({})"),
     ):  # fmt: skip
         first = chosen(runs(), transfer, "lfr").runs[0]
-        assert says(words.format(after[transfer], PAPER[first.task, first.target]["lfr"]))
+        theirs = PAPER[first.task, first.target]["lfr"]
+        assert says(words.format(after[transfer], theirs))
+        assert after[transfer] > theirs
 
 
 def _all(method: str, *, learned: bool = False) -> list[int]:
