@@ -168,7 +168,7 @@ def test_what_is_said_is_compared_without_numbers() -> None:
         ],
         "each": [{"episode_id": "x::episode_000004", "checks": {"lag": {"status": "fail"}}}],
         "scored": [
-            {"episode_index": 5, "quality": "FLAG", "reasons": ["jittery: 2.1x", "slow"]},
+            {"episode_index": 5, "quality": "FLAG", "reasons": ["jittery: 2.1 times", "slow"]},
             {"episode_index": 6, "quality": "ok", "reasons": []},
         ],
     }
@@ -176,7 +176,7 @@ def test_what_is_said_is_compared_without_numbers() -> None:
     assert not found.crash
     assert found.lines == {
         "gap # s in episode # of DATASET/data [7]", "jerk rough [3]", "jerk rough [11]",
-        "joint joint_3 is still: # %", "/each/checks/lag [4]", "/scored jittery: #x slow [5]",
+        "joint joint_3 is still: # %", "/each/checks/lag [4]", "/scored jittery: # times slow [5]",
     }  # fmt: skip
     report["results"][0]["message"] = "0.62 s in episode 7 of /d/x/data"
     assert said(1, json.dumps(report), "", None, Path("/d/x")) == found

@@ -82,35 +82,42 @@ def test_what_a_linear_map_has() -> None:
 
 def test_what_learning_adds() -> None:
     assert says("After 40,000 steps it is {}, {}, {} and {} %".format(*_all("lfr", learned=True)))
-    before, after = (
-        [run.successes for run in chosen(runs(), STACK_SAWYER, "lfr", learned=learned).runs]
-        for learned in (False, True)
-    )
+    before, after = (_by_seed(STACK_SAWYER, "lfr", learned=learned) for learned in (False, True))
     assert says(
-        f"five seeds begin between {min(before)} and {max(before)} and end between {min(after)} and "
-        f"{max(after)}, it adds {_above(STACK_SAWYER, 'lfr').mean} points"
+        f"Sawyer's Stack begins between {min(before)} and {max(before)} by seed and ends between "
+        f"{min(after)} and {max(after)}"
     )
+    before, after = (_by_seed(CAN, "lfr", learned=learned) for learned in (False, True))
+    assert says(
+        f"the can begins between {min(before)} and {max(before)} and ends at {min(after)} in all "
+        "five"
+    )
+    assert len(set(after)) == 1
 
 
 def test_what_lfr_is_above_after_learning() -> None:
-    retarget, oracle = (_above(STACK_SAWYER, method) for method in ("retarget", "oracle"))
-    assert says(f"LfR ends {retarget.mean} points above retargeting")
-    assert says(f"{oracle.mean} above the target's own policy from its own demonstrations "
-                f"({mean(STACK_SAWYER, 'oracle')})")  # fmt: skip
-    assert min(retarget.low, oracle.low) > 0
-    assert says("On the other three it is not told apart from either.")
-    for transfer in (LIFT, STACK_PANDA, CAN):
-        for method in ("retarget", "oracle"):
-            found = _above(transfer, method)
-            assert found.low <= 0 <= found.high, (transfer, method)
+    stack, can, oracle = (
+        _above(STACK_SAWYER, "retarget"), _above(CAN, "retarget"), _above(STACK_SAWYER, "oracle"),
+    )  # fmt: skip
+    assert says(f"LfR ends {stack.mean} and {can.mean} points above retargeting")
+    assert says(f"on Sawyer's Stack {oracle.mean} above the target's own policy from its own "
+                f"demonstrations ({mean(STACK_SAWYER, 'oracle')})")  # fmt: skip
+    assert min(stack.low, can.low, oracle.low) > 0
+    assert says("Elsewhere it is not told apart from either.")
+    for transfer, method in (
+        *((one, other) for one in (LIFT, STACK_PANDA) for other in ("retarget", "oracle")),
+        (CAN, "oracle"),
+    ):
+        found = _above(transfer, method)
+        assert found.low <= 0 <= found.high, (transfer, method)
 
 
-def test_what_the_mapping_loses() -> None:
-    mapped, retarget, recoded = (_all(method) for method in ("lfr", "retarget", "recoded"))
-    apart = max(abs(a - b) for a, b in zip(mapped, retarget, strict=True))
-    assert says(f"G is within {apart} points of retargeting on all four")
-    apart = max(abs(a - b) for a, b in zip(mapped[:3], recoded[:3], strict=True))
-    assert says(f"(recoded) within {apart} of G, but on the can, where it has {recoded[3]}")
+def test_what_is_lost_before_the_mapping() -> None:
+    by_seed = ", ".join(map(str, _by_seed(CAN, "retarget")))
+    assert says(
+        f"Retargeting has {mean(STACK_SAWYER, 'retarget')} % on Sawyer's Stack and "
+        f"{mean(CAN, 'retarget')} on the can ({by_seed} by seed)"
+    )
 
 
 def test_beside_the_paper() -> None:
@@ -123,6 +130,10 @@ def test_beside_the_paper() -> None:
         theirs = PAPER[first.task, first.target]["lfr"]
         assert says(words.format(after[transfer], theirs))
         assert after[transfer] > theirs
+
+
+def _by_seed(transfer: str, method: str, *, learned: bool = False) -> list[int]:
+    return [run.successes for run in chosen(runs(), transfer, method, learned=learned).runs]
 
 
 def _all(method: str, *, learned: bool = False) -> list[int]:
