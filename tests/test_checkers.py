@@ -189,6 +189,10 @@ def test_an_error_is_said_and_a_traceback_is_a_crash(tmp_path: Path) -> None:
     }
     crash = said(1, "", "Traceback (most recent call last):\n  a\nKeyError: 'fps'\n", None, dataset)
     assert (crash.crash, crash.lines) == ("KeyError: 'fps'", frozenset())
+    lost = "Traceback (most recent call last):\nFormatError: not found: /d/x/data/file.parquet"
+    assert said(1, "", lost, None, dataset).crash == (
+        "FormatError: not found: DATASET/data/file.parquet"
+    )
     assert said(-9, "", "", None, dataset).crash
     assert said(None, "", "", None, dataset).crash
     assert said(0, "all is well", "", None, dataset) == Said(frozenset())

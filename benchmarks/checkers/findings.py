@@ -64,7 +64,7 @@ def said(code: int | None, output: str, errors: str, report: Path | None, datase
     else:
         if code < 0 or "Traceback (most recent call last)" in output + errors:
             last = (errors or output).strip().splitlines() or [f"signal {-code}"]
-            return Said(frozenset(), last[-1].strip()[:160])
+            return Said(frozenset(), _plain(last[-1].strip(), dataset)[:160])
         told = [line for line in (output + "\n" + errors).splitlines() if line.strip()]
         lines = iter(told[-1:])
     return Said(frozenset(_plain(line, dataset) for line in lines if line.strip()))
