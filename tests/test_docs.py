@@ -14,6 +14,7 @@ from typing import Any, get_args, get_type_hints
 import pytest
 
 from lfr import cli
+from lfr.artifacts import read_json
 from lfr.data.episode import FEATURES, IMAGES
 from lfr.evaluation.marked import shown
 from lfr.evaluation.readme import MARKER, results_block
@@ -201,6 +202,13 @@ def test_readme_shows_what_the_results_hold() -> None:
     assert shown(ROOT / "README.md", MARKER) == results_block(ROOT / "results"), (
         "run `python -m pipeline.report`"
     )
+
+
+def test_what_the_whole_main_job_took() -> None:
+    took = read_json(ROOT / "results/repro.json")
+    said = f"{took['seconds'] / 60:.0f} minutes for {took['stages']} stages"
+    assert said in " ".join((ROOT / "docs/results.md").read_text().split())
+    assert took["at_once"] == 2  # "two at a time"
 
 
 def test_readme_names_every_transfer() -> None:
