@@ -24,7 +24,7 @@ from pathlib import Path
 from typing import IO
 
 from lfr.artifacts import provenance, read_json, write_json
-from lfr.errors import LfrError
+from lfr.errors import LfrError, ParameterError
 from lfr.program import run_program
 from pipeline._dag import dvc_dag, stages_before
 from pipeline._plan import Plan
@@ -152,6 +152,8 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--at-once", type=int, default=2, help="how many stages run at a time")
     options = parser.parse_args()
+    if options.at_once < 1:
+        raise ParameterError(f"--at-once: found {options.at_once}, expected at least 1")
     began, before = time.monotonic(), stages_before(dvc_dag())
     asked = to_run(before, changed_stages())
     if not asked:

@@ -170,6 +170,12 @@ def test_a_stage_that_fails_is_the_end_and_says_why(project: Path) -> None:
     assert "Traceback" not in found.stderr
 
 
+def test_none_at_a_time_is_refused(project: Path) -> None:
+    found = repro(project, "--at-once", "0")
+    assert found.returncode == 2
+    assert "--at-once: found 0, expected at least 1" in found.stderr
+
+
 def test_nothing_goes_on_where_it_is_killed(project: Path) -> None:
     said = project / "said"
     code = "import os, time; open('said', 'w').write(str(os.getpid())); time.sleep(100)"
