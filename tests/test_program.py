@@ -13,6 +13,7 @@ import pytest
 from lfr.errors import UnknownNameError
 from lfr.program import run_program, run_stage
 from lfr.robots import robot as robot_named
+from tests.processes import ended
 
 
 def record(robot: str, video: str = "yes") -> None:
@@ -115,7 +116,7 @@ def test_a_stage_ends_with_the_dvc_that_started_it(tmp_path: Path) -> None:
         time.sleep(0.05)
     parent.send_signal(signal.SIGKILL)
     parent.communicate()
-    while Path(f"/proc/{pid}/cmdline").exists() and Path(f"/proc/{pid}/cmdline").read_bytes():
+    while not ended(pid):
         assert time.monotonic() < deadline
         time.sleep(0.05)
     assert mark.exists()  # it was ended, it did not finish

@@ -13,6 +13,7 @@ import pytest
 from pipeline._dag import dvc_dag, stages_before
 from pipeline._plan import Plan
 from pipeline._repro import changed_stages, expected, to_run
+from tests.processes import ended
 
 ROOT = Path(__file__).parent.parent
 BEFORE = {"record@a": (), "record@b": (), "pack@a": ("record@a",), "pack@b": ("record@b",),
@@ -195,7 +196,7 @@ def test_nothing_goes_on_where_it_is_killed(project: Path) -> None:
     process.send_signal(signal.SIGKILL)
     process.wait()
     for _ in range(300):
-        if not Path(f"/proc/{stage}").exists():
+        if ended(stage):
             return
         time.sleep(0.1)
     pytest.fail("the stage outlives the program that has started it")
