@@ -135,9 +135,12 @@ def record_attempt(job: AttemptJob) -> dict[str, Any]:
     extra = {"expert": str(as_json(job.attempt))}
     info = EpisodeInfo.of(running.embodiment, running.task, job.seed, extra)
     models = {camera.name: _model(camera, running) for camera in cameras}
-    frames, success = 0, False
+    moments = list(attempt(running, job.attempt, job.seed))
+    success = any(moment.success for moment in moments)
+    if not success:  # before anything is drawn
+        return {"seed": job.seed, "success": False, "frames": len(moments)}
     with EpisodeLog(log_path(Path(job.folder), job.seed), info, models) as log:
-        for moment in attempt(running, job.attempt, job.seed):
+        for moment in moments:
             # A second simulation shows the moment before the action; the first is one step on.
             shown.set_state(moment.simulator_state)
             log.frame(
@@ -154,10 +157,8 @@ def record_attempt(job: AttemptJob) -> dict[str, Any]:
                     images={camera.name: camera.render(shown) for camera in cameras},
                 )
             )
-            frames, success = frames + 1, success or moment.success
-        if success:
-            log.finish(running.state(), _poses(running, cameras))
-    return {"seed": job.seed, "success": success, "frames": frames}
+        log.finish(running.state(), _poses(running, cameras))
+    return {"seed": job.seed, "success": True, "frames": len(moments)}
 
 
 def log_path(folder: Path, seed: int) -> Path:
