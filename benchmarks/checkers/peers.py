@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import resource
 import shutil
+import signal
 import subprocess
 import sys
 import sysconfig
@@ -17,7 +18,7 @@ from benchmarks.checkers.findings import Said, said
 from lfr.artifacts import code_fingerprint
 from lfr.errors import LfrError
 
-SECONDS = 240  # that a checker may take for one dataset
+SECONDS = 240  # of processor time that a checker may take for one dataset
 MEMORY = 12 * 2**30  # bytes of address space
 OWN = "lfr"
 
@@ -172,9 +173,11 @@ def _ended(program: list[str], folder: Path, home: Path) -> tuple[int | None, st
     try:
         ended = subprocess.run(
             program, cwd=Path.cwd() if program[0] == sys.executable else folder, env=environment,
-            stdin=subprocess.DEVNULL, capture_output=True, timeout=SECONDS, preexec_fn=_limited,
+            stdin=subprocess.DEVNULL, capture_output=True, timeout=10 * SECONDS, preexec_fn=_limited,
         )  # fmt: skip
     except subprocess.TimeoutExpired:
+        return None, "", ""
+    if ended.returncode == -signal.SIGXCPU:
         return None, "", ""
     output, errors = (s.decode("utf-8", "replace") for s in (ended.stdout, ended.stderr))
     return ended.returncode, output, errors
@@ -183,6 +186,7 @@ def _ended(program: list[str], folder: Path, home: Path) -> tuple[int | None, st
 def _limited() -> None:
     os.nice(5)
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS + 10))
 
 
 def _uv(*words: str) -> str:
