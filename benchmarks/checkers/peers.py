@@ -173,7 +173,8 @@ def _ended(program: list[str], folder: Path, home: Path) -> tuple[int | None, st
     try:
         ended = subprocess.run(
             program, cwd=Path.cwd() if program[0] == sys.executable else folder, env=environment,
-            stdin=subprocess.DEVNULL, capture_output=True, timeout=10 * SECONDS, preexec_fn=_limited,
+            stdin=subprocess.DEVNULL, capture_output=True, timeout=10 * SECONDS,
+            preexec_fn=_limited,
         )  # fmt: skip
     except subprocess.TimeoutExpired:
         return None, "", ""
