@@ -157,3 +157,29 @@ def test_what_the_recipe_changes(line: Row) -> None:
         of_both = [row for row in rows("recipe") if asked.items() <= row.items()]
         each = ([row for row in of_both if row["joint_copies"] == on] for on in "01")
         assert said == ", ".join(map(percent, each))
+
+
+@pytest.mark.parametrize("line", table("execute"), ids=lambda line: " ".join(line.values()))
+def test_how_many_of_a_skills_steps_to_carry_out(line: Row) -> None:
+    task, arm = line["task, arm"].split(", ")
+    asked = {"task": task, "target": arm, "execute": line["steps carried out"]}
+    found = [row for row in rows("execute") if asked.items() <= row.items()]
+    assert len(found) == 3
+    for column, of in (("own arm", "own_arm"), ("retarget", "retarget"), ("mapped", "lfr")):
+        measured = [row for row in found if row[f"{of}_successes"]]
+        assert line[column] == percent(measured, f"{of}_successes")
+
+
+HOW_COPIED = {"none": ("0", "0"), "shifted": ("0.2", "0"), "shifted, mirrored": ("0.2", "1")}
+
+
+@pytest.mark.parametrize("line", table("release"), ids=lambda line: " ".join(line.values()))
+def test_where_the_can_is_not_let_go(line: Row) -> None:
+    shifted, mirrored = HOW_COPIED[line["copies"]]
+    asked = {"task": line["task"], "target": "sawyer", "grasp_offset": line["grasp offset"],
+             "late_steps": "0", "shifted_m": shifted, "mirrored": mirrored,
+             "input_noise": "0.2"}  # fmt: skip
+    found = [row for row in rows("release") if asked.items() <= row.items()]
+    for repetition in "23":
+        of_it = [row for row in found if row["repetition"] == repetition]
+        assert line[f"repetition {repetition}"] == percent(of_it, "retarget_successes")
