@@ -2,10 +2,10 @@
 
     python -m benchmarks.experts [--attempts 50] [--out results/benchmarks]
 
-Attempts are those of the record stage: drifted starts, though not as far, and one height to take
-hold at, noise, pushes and slips, recorded labels clean. The same is measured with half the attempts
-undisturbed (drifted starts alone), which tells what an arm cannot do from what a slip undoes, and
-for the arms whose robosuite models are mended, without the repairs.
+Attempts are those of the record stage: drifted starts, though not as far, noise, pushes and slips,
+recorded labels clean. The same is measured with half the attempts undisturbed (drifted starts
+alone), which tells what an arm cannot do from what a slip undoes, and for the arms whose robosuite
+models are mended, without the repairs.
 """
 
 from __future__ import annotations
@@ -72,10 +72,9 @@ def run_trial(trial: Trial) -> dict[str, Any]:
         _break(trial.name)
     simulation, lengths = Simulation(trial.name, trial.task), []
     params = read_section(RecordParams, "record").attempt
-    expert = replace(params.expert, grasp_offset=0.0)
-    params = replace(params, expert=expert, drift=replace(params.drift, steps=DRIFT))
+    params = replace(params, drift=replace(params.drift, steps=DRIFT))
     if trial.condition == "undisturbed":
-        quiet = replace(expert, noise=0.0, perturbation=0.0, slip=0.0)
+        quiet = replace(params.expert, noise=0.0, perturbation=0.0, slip=0.0)
         params = replace(params, expert=quiet)
     for index in range(trial.attempts):
         moments = list(attempt(simulation, params, episode_seed("demonstration", index)))

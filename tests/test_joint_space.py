@@ -183,3 +183,17 @@ def test_where_the_can_is_not_let_go(line: Row) -> None:
     for repetition in "23":
         of_it = [row for row in found if row["repetition"] == repetition]
         assert line[f"repetition {repetition}"] == percent(of_it, "retarget_successes")
+
+
+@pytest.mark.parametrize("line", table("grasp offset"), ids=lambda line: " ".join(line.values()))
+def test_what_the_grasp_offset_changes_in_the_main_job(line: Row) -> None:
+    task, arm = line["task, arm"].split(", ")
+    asked = {"task": task, "target": arm, "grasp_offset": line["grasp offset"],
+             "mirrored": {"yes": "1", "no": "0"}[line["mirrored copies"]]}  # fmt: skip
+    found = {(row["method"], row["env_steps"]): row["successes"]
+             for row in rows("grasp_offset") if asked.items() <= row.items()}  # fmt: skip
+    for column, of in (
+        ("linear", ("linear", "0")), ("retarget", ("retarget", "0")), ("mapped", ("lfr", "0")),
+        ("after learning", ("lfr", "40000")),
+    ):  # fmt: skip
+        assert line[column] == found[of]

@@ -31,7 +31,7 @@ class ExpertParams:
     persistence: float = 0.8  # its correlation from one step to the next
     perturbation: float = 0.01  # chance per step of a push, PERTURBATION_STEPS long
     slip: float = 0.005  # chance per step that the hand does the opposite for SLIP_STEPS steps
-    grasp_offset: float = 0.01  # m at most, up or down, drawn for each attempt
+    grasp_offset: float = 0.0  # m at most, up or down, drawn for each attempt
 
 
 class Expert:

@@ -149,8 +149,7 @@ def _how(facts: DatasetFacts, making: Making | None, logs: bool) -> str:
             "that tests hold to robosuite's own loop. A scripted expert leads the hand from "
             "waypoint to waypoint. What the arm executes is its action with noise and a rare push "
             "or slip; `action` is the clean one, which a learner should do in that state. Before "
-            "the first frame the hand drifts, so that demonstrations start in many places, and "
-            "each takes hold a little higher or lower.",
+            "the first frame the hand drifts, so that demonstrations start in many places.",
             "Frame t holds what was observed before action t, action t, and, as `next.*`, what "
             "came of it. The robot's base frame has the axes and the origin of the body "
             f"`{embodiment(facts.robot).robot.base_body}`.",

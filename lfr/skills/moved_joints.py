@@ -1,8 +1,9 @@
-"""Joint motions in a shifted scene: those that move the hand there as the demonstrator's did here.
+"""Joint motions in a moved scene: those that move the hand there as the demonstrator's did here.
 
-Which joint motions these are says the hand's Jacobian, which each arm's own demonstrations teach
-(`lfr.skills.hand_motion`). It is as good as that Jacobian: within centimetres, not for what leaves
-millimetres. Mirror images would put the arm into postures that it has never had, and are left out.
+A scene that is shifted or mirrored asks other motions of the joints, and of the hand the shifted or
+mirrored ones. Which joint motions these are says the hand's Jacobian, which each arm's own
+demonstrations teach (`lfr.skills.hand_motion`). It is as good as that Jacobian: within centimetres,
+not for what leaves millimetres.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ def moved_joint_copies(
     jacobian: HandJacobian,
     generator: torch.Generator,
 ) -> tuple[Tensor, Tensor]:
-    """The windows (N, D), (N, H, A) and copies of each after them, shifted.
+    """The windows (N, D), (N, H, A) and copies of each after them, shifted and mirrored.
 
     Not turned: who sees the scene in the frame of the hand's azimuth needs no such copies.
     """
@@ -37,33 +38,42 @@ def moved_joint_copies(
     if copies == 0:
         return observations, actions
     many_o, many_a = observations.repeat(copies, 1), actions.repeat(copies, 1, 1)
-    shifted = replace(params, turn=0.0, mirror=False)
-    moved = move(many_o, names, SceneMotion.draw(len(many_o), shifted, generator))
+    motion = SceneMotion.draw(len(many_o), replace(params, turn=0.0), generator)
+    moved = move(many_o, names, motion)
     done = [
-        move_joint_motions(many_a[rows], many_o[rows], moved[rows], jacobian)
+        move_joint_motions(
+            many_a[rows], many_o[rows], moved[rows],
+            SceneMotion(motion.angle[rows], motion.mirror[rows], motion.shift[rows]), jacobian,
+        )
         for rows in torch.arange(len(many_o)).split(CHUNK)
-    ]
+    ]  # fmt: skip
     return torch.cat([observations, moved]), torch.cat([actions, *done])
 
 
 def move_joint_motions(
-    actions: Tensor, here: Tensor, there: Tensor, jacobian: HandJacobian
+    actions: Tensor, here: Tensor, there: Tensor, motion: SceneMotion, jacobian: HandJacobian
 ) -> Tensor:
-    """Actions (B, H, A) in the shifted scene, within [-1, 1]: dq' = dq + J'^+ (m - J' dq).
+    """Actions (B, H, A) in the moved scene, within [-1, 1]: dq' = dq + J'^+ (m' - J' dq).
 
-    m is the hand's motion J dq, which a shift leaves as it is; so is what the hand leaves free.
+    m' is the hand's motion J dq, moved as the scene is. So what the hand leaves free stays as it
+    was; in a mirror image, where the arm stands otherwise, it stays still.
 
     Args:
-        here, there: (B, D), where the windows begin, and the same in the shifted scene.
+        here, there: (B, D), where the windows begin, and the same in the moved scene.
     """
     J, moved_J = jacobian(here), jacobian(there)  # (B, 6, A - 1), in the frame of the azimuth
     joints = actions[..., :-1]
+    translation, rotation = (joints @ J.mT).split(3, dim=-1)
+    translation, rotation = (_turned(part, azimuth(here)) for part in (translation, rotation))
     backwards = azimuth(there) * torch.tensor([1.0, -1.0])
-    parts = (joints @ J.mT).split(3, dim=-1)
-    wanted = torch.cat([_turned(_turned(part, azimuth(here)), backwards) for part in parts], -1)
+    wanted = torch.cat(
+        [_turned(motion.vectors(translation), backwards),
+         _turned(motion.rotations(rotation), backwards)], dim=-1,
+    )  # fmt: skip
+    kept = joints * (motion.mirror > 0)[:, None, None]
     damped = moved_J @ moved_J.mT + DAMPING * torch.eye(6)
     inverse = torch.linalg.solve(damped, moved_J)  # (B, 6, A - 1), transposed
-    joints = joints + (wanted - joints @ moved_J.mT) @ inverse
+    joints = kept + (wanted - kept @ moved_J.mT) @ inverse
     return torch.cat([joints.clamp(-1.0, 1.0), actions[..., -1:]], dim=-1)
 
 

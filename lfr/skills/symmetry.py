@@ -7,8 +7,8 @@ its objects stand. It does not hold for asymmetric hands.
 
 Under joint control the demonstrator would do the same actions in a scene that is turned, and there
 no copies are needed: a prior sees the scene in the frame of the hand's azimuth, in which all turned
-copies are one (`lfr.skills.normalizer.Normalizer`). What the joints would do in a shifted one, the
-hand's Jacobian says (`lfr.skills.moved_joints`).
+copies are one (`lfr.skills.normalizer.Normalizer`). Of the other two, the hand's Jacobian says what
+the joints would do (`lfr.skills.moved_joints`).
 """
 
 from __future__ import annotations

@@ -15,7 +15,7 @@ FEWEST = {("jaco", "nut_assembly"): 1, ("panda", "nut_assembly"): 2}
 """Of four attempts, where not three. Undisturbed, Jaco puts 52 to 68 % of 25 nuts onto their peg,
 since its two fingers stand 40 mm apart, and Panda 84 to 96 % (results/benchmarks/experts.json)."""
 
-CALM = ExpertParams(noise=0.0, perturbation=0.0, slip=0.0, grasp_offset=0.0)
+CALM = ExpertParams(noise=0.0, perturbation=0.0, slip=0.0)
 NEAR = AttemptParams(CALM, DriftParams(steps=48))  # starts as in results/benchmarks/experts.json
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import pytest
 import torch
 from torch import Tensor
 
@@ -42,28 +43,40 @@ def windows(count: int = 32) -> tuple[Tensor, Tensor]:
     return observations, torch.rand(count, 10, 8, generator=generator) - 0.5
 
 
-def test_the_hand_moves_as_it_did() -> None:
+@pytest.mark.parametrize("mirror", [1.0, -1.0])
+def test_the_hand_moves_as_the_scene_does(mirror: float) -> None:
     observations, actions = windows()
-    count = len(observations)
-    shift = SceneMotion(torch.zeros(count), torch.ones(count), torch.rand(count, 3) / 5)
-    moved = move(observations, NAMES, shift)
-    found = move_joint_motions(actions, observations, moved, Gantry())
-    # the sliders are along the base's axes, so that a shift changes nothing
-    torch.testing.assert_close(found[..., :6], actions[..., :6], atol=5e-3, rtol=0)
-    # what the hand leaves free stays as it was
-    torch.testing.assert_close(found[..., 6], actions[..., 6], atol=1e-5, rtol=0)
+    count, gantry = len(observations), Gantry()
+    motion = SceneMotion(torch.zeros(count), torch.full((count,), mirror), torch.rand(count, 3) / 5)
+    moved = move(observations, NAMES, motion)
+    found = move_joint_motions(actions, observations, moved, motion, gantry)
+    # The sliders are along the base's axes: a shift changes nothing, a mirror image is closed form.
+    expected = actions.clone()
+    if mirror < 0:
+        expected[..., [1, 3, 5]] *= -1.0  # y of a vector, x and z of an axial one
+        expected[..., 6] = 0.0
+    torch.testing.assert_close(found, expected, atol=5e-3, rtol=0)
     assert torch.equal(found[..., -1], actions[..., -1])
+
+
+def test_what_the_hand_leaves_free_stays_as_it_was() -> None:
+    observations, actions = windows()
+    still = SceneMotion(torch.zeros(32), torch.ones(32), torch.full((32, 3), 0.1))
+    found = move_joint_motions(
+        actions, observations, move(observations, NAMES, still), still, Gantry()
+    )
+    torch.testing.assert_close(found[..., 6], actions[..., 6], atol=1e-5, rtol=0)
 
 
 def test_copies_come_after_the_windows_and_move_alike() -> None:
     observations, actions = windows()
-    params = SymmetryParams(copies=3, shift=0.2, mirror=True)  # as other actions are mirrored
+    params = SymmetryParams(copies=3, shift=0.2, mirror=True)
     generator = torch.Generator().manual_seed(1)
     seen, done = moved_joint_copies(observations, actions, NAMES, params, Gantry(), generator)
     assert (len(seen), len(done)) == (4 * 32, 4 * 32)
     assert torch.equal(seen[:32], observations)
     assert torch.equal(done[:32], actions)
-    # offsets are those of the positions, and no copy is turned or mirrored
+    # offsets are those of the positions, and no copy is turned
     torch.testing.assert_close(seen[:, 12:], seen[:, 9:12] - seen[:, :3])
     assert (seen[:, 12] - seen[:, 12].view(4, 32)[0].repeat(4)).abs().max() < 1e-6
     # the hand's speed is kept
