@@ -52,7 +52,7 @@ def bases(tmp_path_factory: pytest.TempPathFactory) -> Path:
     from lfr.data.dataset import pack_dataset
 
     made = tmp_path_factory.mktemp("made")
-    pack_dataset(made_up.write_all(made / "logs", LENGTHS, 32), made / "own")
+    pack_dataset(made_up.write_all(made / "logs", LENGTHS, 96), made / "own")
     make_bases(made / "bases", made / "own", made / "logs", ("arm", "arm2d"))
     return made / "bases"
 

@@ -49,13 +49,18 @@ def _total(name: str, by: int) -> Plant:
     return info(lambda i: i.update({name: i[name] + by}))
 
 
-def _retyped(type: pa.DataType, change: Callable[[Any], Any] = lambda row: row) -> Plant:
-    def plant(copy: DatasetCopy) -> None:
-        place = copy.rows.column_names.index("action")
-        rows = pa.array([change(row) for row in copy.rows["action"].to_pylist()], type)
-        copy.rows = copy.rows.set_column(place, "action", rows)
+def _doubled(copy: DatasetCopy) -> None:
+    rows = copy.rows["action"]
+    _retype(copy, rows.cast(pa.list_(pa.float64(), rows.type.list_size)))
 
-    return plant
+
+def _pickled(copy: DatasetCopy) -> None:
+    _retype(copy, pa.array(map(pickle.dumps, copy.rows["action"].to_pylist()), pa.binary()))
+
+
+def _retype(copy: DatasetCopy, actions: pa.Array | pa.ChunkedArray) -> None:
+    place = copy.rows.column_names.index("action")
+    copy.rows = copy.rows.set_column(place, "action", actions)
 
 
 def _dropped(copy: DatasetCopy) -> None:
@@ -176,8 +181,8 @@ FAULTS = {
     "column_extra": Fault(
         "schema", _added, "extra|unknown|column|undeclared|feature|not know|schema|debug"
     ),
-    "action_float64_in_rows": Fault("schema", _retyped(pa.list_(pa.float64(), 8)), TYPE),
-    "action_pickled_objects": Fault("schema", _retyped(pa.binary(), pickle.dumps), TYPE),
+    "action_float64_in_rows": Fault("schema", _doubled, TYPE),
+    "action_pickled_objects": Fault("schema", _pickled, TYPE),
     "info_cut_off": Fault("schema", _cut_info, "info|json|parse|cut|invalid|meta"),
     "info_absent": Fault(
         "schema", lambda copy: (copy.root / INFO).unlink(), "info|missing|not a|found|meta|exist"
