@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -38,7 +39,7 @@ class LfrPolicy(PreTrainedPolicy):
             self.add_module(name, networks[name].requires_grad_(False))
         self._actor = actor_of(networks, config.distribution, config.min_sigma)
         self._task = config.task_name
-        self._waiting: deque[Tensor] = deque()
+        self._waiting: list[deque[Tensor]] = []  # of each row
 
     @classmethod
     def from_pretrained(
@@ -58,17 +59,27 @@ class LfrPolicy(PreTrainedPolicy):
         Raises:
             LfrError: an observation of another size than the policy's task has.
         """
-        if not self._waiting:
-            self._waiting.extend(self.predict_action_chunk(batch).transpose(0, 1))
-        return self._waiting.popleft()
+        rows = len(batch[OBS_STATE])
+        if len(self._waiting) != rows:
+            self._waiting = [deque() for _ in range(rows)]
+        if not all(self._waiting):
+            for waiting, skill in zip(self._waiting, self._skills(batch), strict=True):
+                if not waiting:
+                    waiting.extend(skill)
+        return torch.stack([waiting.popleft() for waiting in self._waiting])
 
     @torch.no_grad()
     def predict_action_chunk(self, batch: dict[str, Tensor], **_: Any) -> Tensor:
-        """The actions (B, n, A) of the next skill, as many as are carried out of it.
+        """The actions (B, n, A) of the next skills, as many as are carried out of every one.
 
         Raises:
             LfrError: an observation of another size than the policy's task has.
         """
+        skills = self._skills(batch)
+        return torch.stack([skill[: min(map(len, skills))] for skill in skills])
+
+    def _skills(self, batch: dict[str, Tensor]) -> Sequence[Tensor]:
+        """The actions of the next skill of each row, (n, A), as many as are carried out of it."""
         for key in (OBS_STATE, OBS_ENV_STATE):
             self._check(key, tuple(batch[key].shape[1:]))
         observations = torch.cat([batch[OBS_STATE], batch[OBS_ENV_STATE]], dim=-1)  # (B, D)

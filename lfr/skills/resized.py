@@ -40,16 +40,19 @@ class ResizedVAE(SkillVAE):
         execute: int | None = None,
         state_names: Sequence[str] = (),
         turned: bool = False,
+        whole_release: bool = False,
         size: int = 1,
     ) -> None:
-        super().__init__(horizon, action_dim, latent_dim, hidden, execute, state_names, turned)
+        super().__init__(
+            horizon, action_dim, latent_dim, hidden, execute, state_names, turned, whole_release
+        )
         self.size = size
         matrix = torch.from_numpy(resizing(action_dim, size)).float()
         self.register_buffer("resizing", matrix, persistent=False)
 
-    def carry_out(self, z: Tensor, observations: Tensor | None = None) -> Tensor:
-        """The first ``execute`` of the decoded actions as the other arm's, (B, execute, size)."""
-        return super().carry_out(z, observations) @ self.resizing
+    def carry_out(self, z: Tensor, observations: Tensor | None = None) -> list[Tensor]:
+        """What is carried out of the decoded actions, as the other arm's, (n, size) of each."""
+        return [skill @ self.resizing for skill in super().carry_out(z, observations)]
 
 
 RESIZED_VAE = ModelKind("resized_skill_vae", ResizedVAE, (*VAE.shape, "size"))

@@ -18,7 +18,16 @@ from lfr.skills.vae import SkillVAE
 VAE = ModelKind(
     "skill_vae",
     SkillVAE,
-    ("horizon", "action_dim", "latent_dim", "hidden", "execute", "state_names", "turned"),
+    (
+        "horizon",
+        "action_dim",
+        "latent_dim",
+        "hidden",
+        "execute",
+        "state_names",
+        "turned",
+        "whole_release",
+    ),
 )
 PRIOR = ModelKind(
     "skill_prior", SkillPrior, ("layout_names", "latent_dim", "hidden", "layers", "turned")

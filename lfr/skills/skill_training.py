@@ -55,9 +55,10 @@ def train_vae(
         raise ValueError("a VAE that sees states, or errs at the hand, is trained with states")
     torch.manual_seed(seed)
     generator = torch.Generator().manual_seed(seed)
+    sees_a_hand = bool(condition.state_names) and names[-1] == "gripper"
     vae = SkillVAE(
         params.horizon, actions.shape[-1], params.latent_dim, params.hidden, params.execute,
-        *condition,
+        *condition, params.whole_release and sees_a_hand,
     )  # fmt: skip
     if vae.normalizer is not None and states is not None:
         vae.normalizer.fit(states, vae.state_names)

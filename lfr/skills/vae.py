@@ -13,7 +13,9 @@ from torch import Tensor, nn
 
 from lfr.skills.condition import Conditioned
 from lfr.skills.gaussian import LOG_SIGMA_RANGE, kl_to_standard_normal, sample
+from lfr.spaces import ROBOT_STATE
 
+GRIPPER_COMMAND = ROBOT_STATE.index("gripper_command")
 CHUNK = 2**14  # windows encoded together; an LSTM keeps H x hidden numbers of each
 
 
@@ -24,6 +26,9 @@ class SkillVAE(Conditioned):
     before the next skill is chosen; None carries out all, as the paper does.
 
     Args:
+        whole_release: whether a skill that opens a hand which holds is carried out to its end all
+            the same. Where a prior hesitates to let go, its mean skill opens the hand late in it,
+            and who carries out the first half alone puts it off for ever (docs/joint-space.md).
         state_names: what encoder and decoder see of the state in which a skill begins, the first
             dimensions of an observation: q(z|a, s) and p(a|z, s). None of them is the paper's. The
             same motion of an arm's joints is another motion of the hand in another posture, so z
@@ -40,8 +45,10 @@ class SkillVAE(Conditioned):
         execute: int | None = None,
         state_names: Sequence[str] = (),
         turned: bool = False,
+        whole_release: bool = False,
     ) -> None:
         super().__init__(state_names, turned)
+        self.whole_release = whole_release
         self.horizon, self.action_dim = horizon, action_dim
         self.execute = min(execute or horizon, horizon)
         self.latent_dim, self.hidden = latent_dim, hidden
@@ -111,9 +118,25 @@ class SkillVAE(Conditioned):
         """Actions that an arm can execute, clipped to [-1, 1], (B, H, A)."""
         return self.reconstruct(z, observations).clamp(-1.0, 1.0)
 
-    def carry_out(self, z: Tensor, observations: Tensor | None = None) -> Tensor:
-        """The first ``execute`` of the actions to be decoded, (B, execute, A)."""
-        return self.reconstruct(z, observations, self.execute).clamp(-1.0, 1.0)
+    def carry_out(self, z: Tensor, observations: Tensor | None = None) -> list[Tensor]:
+        """What is carried out of B skills before the next ones are chosen, (n, A) of each.
+
+        The first ``execute`` actions, or all H of a skill that lets go (``whole_release``).
+
+        Args:
+            observations: (B, D), which begin with `ROBOT_STATE` where ``whole_release`` is asked.
+        """
+        if not self.whole_release:
+            return list(self.reconstruct(z, observations, self.execute).clamp(-1.0, 1.0))
+        if observations is None:
+            raise ValueError("whether a hand holds is in the observations; give it those too")
+        actions = self.decode(z, observations)
+        opens = actions[..., -1].amin(dim=-1) < 0.0
+        whole = opens & (observations[:, GRIPPER_COMMAND] > 0.0)
+        return [
+            skill if to_its_end else skill[: self.execute]
+            for skill, to_its_end in zip(actions, whole.tolist(), strict=True)
+        ]
 
     def _seen(self, observations: Tensor | None) -> Tensor | None:
         """The features (B, F) of the observations, or None where it sees nothing of them."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
@@ -24,8 +25,8 @@ class Decoder(Protocol):
         """Move its parameters, in place."""
         ...
 
-    def carry_out(self, z: Tensor, observations: Tensor, /) -> Tensor:
-        """The actions (B, n, A) in [-1, 1] of skills (B, Z) that begin at observations (B, D)."""
+    def carry_out(self, z: Tensor, observations: Tensor, /) -> Sequence[Tensor]:
+        """Actions (n, A) in [-1, 1] of each skill of (B, Z) that begin at observations (B, D)."""
         ...
 
 
@@ -36,8 +37,8 @@ class OneAction(nn.Module):
         super().__init__()
         self.latent_dim = latent_dim
 
-    def carry_out(self, z: Tensor, observations: Tensor) -> Tensor:
-        return z.clamp(-1.0, 1.0)[:, None, :]
+    def carry_out(self, z: Tensor, observations: Tensor) -> Sequence[Tensor]:
+        return list(z.clamp(-1.0, 1.0)[:, None, :])
 
 
 class Choice(NamedTuple):
@@ -88,22 +89,26 @@ class SkillActor:
         return Choice(self.distribution.skill(mu, log_sigma, noise), mu, log_sigma)
 
     @torch.no_grad()
-    def decode(self, z: Tensor, observations: Tensor) -> NDArray[np.float64]:
-        """Actions (B, n, A) in [-1, 1] of skills (B, Z), as many as the decoder carries out.
+    def decode(self, z: Tensor, observations: Tensor) -> list[NDArray[np.float64]]:
+        """Actions (n, A) in [-1, 1] of each of the skills (B, Z), as many as are carried out.
 
         Args:
             observations: (B, D), where the skills begin.
         """
-        return self.decoder.carry_out(z, observations).cpu().double().numpy()
+        carried_out = self.decoder.carry_out(z, observations)
+        return [skill.cpu().double().numpy() for skill in carried_out]
 
     def act(self, observation: NDArray[np.floating]) -> NDArray[np.float64]:
-        """The next skill's actions (n, A) for an observation (D,), or (B, n, A) for (B, D).
+        """The next skill's actions (n, A) for an observation (D,)."""
+        return self.act_all(observation[None])[0]
 
-        The mean of the policy, not a sample.
+    def act_all(self, observations: NDArray[np.floating]) -> list[NDArray[np.float64]]:
+        """The next skills' actions, (n, A) for each of the observations (B, D).
+
+        The means of the policy, not samples.
         """
-        rows = as_tensor(np.atleast_2d(observation)).to(self.device)
-        actions = self.decode(self.choose(rows).z, rows)
-        return actions if np.ndim(observation) > 1 else actions[0]
+        rows = as_tensor(observations).to(self.device)
+        return self.decode(self.choose(rows).z, rows)
 
 
 def as_tensor(observations: NDArray[np.floating]) -> Tensor:

@@ -141,8 +141,8 @@ class TransferLoop:
         """Wall-clock spent so far, that of earlier processes up to their last checkpoint too."""
         return self._before + time.perf_counter() - self._began
 
-    def _execute(self, actions: Array) -> list[Outcome]:
-        """The skills (simulations, n, A), one in each simulation."""
+    def _execute(self, actions: Sequence[Array]) -> list[Outcome]:
+        """The skills, (n, A) each, one in each simulation."""
         return [
             episode.execute(skill, self.rule)
             for episode, skill in zip(self.episodes, actions, strict=True)

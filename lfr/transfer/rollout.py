@@ -49,7 +49,7 @@ def evaluate(
                 episode.start(seed)
                 running.append((place, episode))
             episodes = [episode for _, episode in running]
-            actions = actor.act(np.stack([episode.observation for episode in episodes]))
+            actions = actor.act_all(np.stack([episode.observation for episode in episodes]))
             over = list(threads.map(execute, episodes, actions))
             for (place, episode), ended in zip(running, over, strict=True):
                 if ended:

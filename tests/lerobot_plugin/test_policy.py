@@ -17,6 +17,7 @@ from lfr.lerobot_plugin.configuration_lfr import LfrConfig
 from lfr.lerobot_plugin.env_config import LfrEnv
 from lfr.lerobot_plugin.export import export_policy
 from lfr.lerobot_plugin.modeling_lfr import LfrPolicy
+from lfr.skills.vae import SkillVAE
 from lfr.transfer.model import load_policy
 
 SIZE = (11, 11)  # of Lift's state and environment state
@@ -42,7 +43,7 @@ def test_it_carries_out_the_same_skills(saved: Path, exported: Path) -> None:
     rng = np.random.default_rng(0)
     for _ in range(2):  # skills
         observations = rng.normal(size=(3, sum(SIZE)))
-        expected = actor.act(observations)  # (B, n, A)
+        expected = np.stack(actor.act_all(observations))  # (B, n, A)
         assert expected.shape == (3, 5, 7)
         for step in range(5):
             if step:  # what is observed within a skill changes nothing
@@ -59,7 +60,29 @@ def test_a_new_episode_begins_with_a_new_skill(saved: Path, exported: Path) -> N
     policy.select_action(batch_of(first))
     policy.reset()
     action = policy.select_action(batch_of(second))
-    np.testing.assert_array_equal(action.numpy(), actor.act(second)[:, 0])
+    np.testing.assert_array_equal(action.numpy(), actor.act_all(second)[0][None, 0])
+
+
+def test_each_row_carries_out_its_own_skills(exported: Path) -> None:
+    """Whose hand lets go goes on to the end of its skill, whatever the others do."""
+    observations = np.random.default_rng(2).normal(size=(12, 8, sum(SIZE)))
+    together, _, _ = loaded(exported)
+    alone = [loaded(exported)[0] for _ in range(8)]
+    for policy in (together, *alone):
+        decoder, seen = policy._actor.decoder, torch.from_numpy(observations[0]).float()
+        assert isinstance(decoder, SkillVAE)
+        decoder.whole_release = True
+        with torch.no_grad():  # so that half of the skills open the hand
+            gripper = decoder.reconstruct(policy._actor.choose(seen).z, seen)[..., -1]
+            decoder.output.bias[-1] -= gripper.amin(1).median()
+    expected = np.stack([
+        [policy.select_action(batch_of(seen[row : row + 1]))[0].numpy() for seen in observations]
+        for row, policy in enumerate(alone)
+    ])  # fmt: skip
+    lengths = {tuple(map(len, policy._waiting)) for policy in alone}
+    assert len(lengths) > 1
+    found = [together.select_action(batch_of(seen)).numpy() for seen in observations]
+    np.testing.assert_allclose(np.stack(found, axis=1), expected, atol=1e-6)
 
 
 def test_the_tensors_are_the_saved_ones(saved: Path, exported: Path) -> None:

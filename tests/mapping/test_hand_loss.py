@@ -101,7 +101,7 @@ def test_a_recombined_skill_is_what_the_source_would_do_there() -> None:
         k = one.k_x[3:4]
         where = one.states[3:4]
         assert source.jacobian is not None
-        actions = source.vae.carry_out(k[:, :Z], where)
+        actions = torch.stack(source.vae.carry_out(k[:, :Z], where))
         expected = hand_motion(actions, where, source.jacobian(where))
         torch.testing.assert_close(one.motions[3:4], expected, rtol=1e-4, atol=1e-5)
 

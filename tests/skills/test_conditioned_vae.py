@@ -6,7 +6,7 @@ import pytest
 import torch
 
 from lfr.embodiments import embodiment
-from lfr.skills.condition import POSE_NAMES, Condition
+from lfr.skills.condition import GIVEN_NOTHING, POSE_NAMES, Condition
 from lfr.skills.hand_motion import HandJacobian
 from lfr.skills.saved_models import Seen, load_vae, save_vae
 from lfr.skills.skill_params import VAEParams
@@ -47,7 +47,23 @@ def test_it_needs_the_observation_and_saves_what_it_sees(tmp_path: Path) -> None
         vae.decode(z)
     assert not torch.allclose(vae.decode(z, poses(5)), vae.decode(z, poses(5, 7)))
     save_vae(tmp_path, vae, SEEN)
-    assert torch.equal(load_vae(tmp_path).carry_out(z, poses(5)), vae.carry_out(z, poses(5)))
+    again = torch.stack(load_vae(tmp_path).carry_out(z, poses(5)))
+    assert torch.equal(again, torch.stack(vae.carry_out(z, poses(5))))
+
+
+@pytest.mark.parametrize(
+    ("names", "condition", "whole"),
+    [(JOINTS, SEES, True), (JOINTS, GIVEN_NOTHING, False), ((*JOINTS[:-1], "j"), SEES, False)],
+    ids=["a hand in sight", "sees nothing", "no hand"],
+)
+def test_only_who_sees_a_hand_waits_for_it(
+    names: tuple[str, ...], condition: Condition, whole: bool
+) -> None:
+    params = VAEParams(4, 2, whole_release=True, latent_dim=3, hidden=8, steps=0)
+    found = train_vae(
+        torch.rand(20, 4, len(JOINTS)), names, params, seed=0, states=poses(20), condition=condition
+    )
+    assert found.whole_release == whole
 
 
 def test_a_turned_scene_is_the_same_skill() -> None:

@@ -8,6 +8,7 @@ from lfr.skills.gaussian import LOG_SIGMA_RANGE
 from lfr.skills.skill_params import VAEParams
 from lfr.skills.skill_training import train_vae
 from lfr.skills.vae import SkillVAE, reconstruction_rmse, vae_loss
+from lfr.spaces import ROBOT_STATE
 
 OSC = embodiment("panda").action.names
 TINY = VAEParams(horizon=4, latent_dim=3, hidden=8, steps=20, batch=8)
@@ -78,10 +79,26 @@ def test_the_same_seed_gives_the_same_tensors(augment: float) -> None:
 def test_the_first_actions_of_a_skill_are_carried_out() -> None:
     z = torch.randn(5, 3)
     whole = SkillVAE(4, 7, 3, 8)
-    assert torch.equal(whole.carry_out(z), whole.decode(z))
+    assert torch.equal(torch.stack(whole.carry_out(z)), whole.decode(z))
     some = SkillVAE(4, 7, 3, 8, execute=2)
-    assert torch.equal(some.carry_out(z), some.decode(z)[:, :2])
+    assert torch.equal(torch.stack(some.carry_out(z)), some.decode(z)[:, :2])
     assert some.decode(z).shape == (5, 4, 7)
+
+
+def test_a_skill_that_opens_a_hand_which_holds_is_carried_out_to_its_end() -> None:
+    torch.manual_seed(0)
+    vae = SkillVAE(4, 7, 3, 8, execute=2, whole_release=True)
+    z, observations = torch.randn(64, 3), torch.zeros(64, ROBOT_STATE.size)
+    command = ROBOT_STATE.index("gripper_command")
+    observations[:32, command], observations[32:, command] = 1.0, -1.0
+    actions = vae.decode(z, observations)
+    opens = (actions[..., -1] < 0).any(1)
+    assert 0 < int(opens[:32].sum()) < 32
+    for row, carried_out in enumerate(vae.carry_out(z, observations)):
+        expected = 4 if row < 32 and opens[row] else 2
+        assert torch.equal(carried_out, actions[row, :expected])
+    with pytest.raises(ValueError, match="give it those too"):
+        vae.carry_out(z)
 
 
 def test_many_windows_are_encoded_some_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:

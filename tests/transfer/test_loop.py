@@ -186,9 +186,9 @@ def test_saved_policy_acts_identically(artifacts, params, tmp_path):
     save_policy(tmp_path / "model", loop.actor, {"method": "lfr", "params": params})
     actor, about = load_policy(tmp_path / "model")
     observations = np.random.default_rng(0).normal(size=(5, 3))
-    assert np.array_equal(actor.act(observations), loop.actor.act(observations))
-    assert actor.act(observations).shape == (5, 3, 7)
-    assert np.allclose(actor.act(observations[0]), actor.act(observations)[0], atol=1e-6)
+    assert np.array_equal(actor.act_all(observations), loop.actor.act_all(observations))
+    assert np.shape(actor.act_all(observations)) == (5, 3, 7)
+    assert np.allclose(actor.act(observations[0]), actor.act_all(observations)[0], atol=1e-6)
     tensor = torch.tensor(observations, dtype=torch.float32)
     for found, saved in ((actor.prior, loop.actor.prior), (actor.policy, loop.actor.policy)):
         for one, other in zip(found(tensor), saved(tensor), strict=True):

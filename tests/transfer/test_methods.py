@@ -78,14 +78,14 @@ def test_sac_acts_step_by_step_within_bounds(models, params, tmp_path):
     actor = initialize("sac", models, params, 0).actor
     assert actor.distribution == SQUASHED
     observations = 50.0 * np.random.default_rng(0).standard_normal((6, 3))
-    assert actor.act(observations).shape == (6, 1, 2)
+    assert np.shape(actor.act_all(observations)) == (6, 1, 2)
     noisy = actor.choose(torch.randn(500, 3), torch.Generator().manual_seed(0)).z
     assert noisy.abs().max() <= 1.0
     assert noisy.std() > 0.3  # a new policy tries everything
     save_policy(tmp_path / "policy", actor, {})
     again, _ = load_policy(tmp_path / "policy")
     assert again.distribution == SQUASHED
-    np.testing.assert_allclose(again.act(observations), actor.act(observations))
+    np.testing.assert_allclose(again.act_all(observations), actor.act_all(observations))
 
 
 def test_sac_learns_a_trivial_task(models, params):
@@ -129,9 +129,9 @@ def test_ap_has_the_target_do_the_sources_actions_joint_by_joint(params, tmp_pat
     save_policy(tmp_path / "policy", actor, {"robot": arms[0]})
     again = LearnedFiles(str(tmp_path / "policy")).load(arms[0])
     z, seen = torch.randn(5, 3), torch.randn(5, len(names))
-    own = models.source_vae().requires_grad_(False).carry_out(z, seen).numpy()
+    own = torch.stack(models.source_vae().requires_grad_(False).carry_out(z, seen)).numpy()
     for decoder in (actor.decoder, again.decoder):
-        found = decoder.carry_out(z, seen).numpy()
+        found = torch.stack(list(decoder.carry_out(z, seen))).numpy()
         np.testing.assert_array_equal(found, np.delete(own, 6, axis=-1))
 
 
