@@ -164,7 +164,7 @@ def test_how_many_of_a_skills_steps_to_carry_out(line: Row) -> None:
     task, arm = line["task, arm"].split(", ")
     asked = {"task": task, "target": arm, "execute": line["steps carried out"]}
     found = [row for row in rows("execute") if asked.items() <= row.items()]
-    assert len(found) == 3
+    assert line["repetitions"] == str(len(found))
     for column, of in (("own arm", "own_arm"), ("retarget", "retarget"), ("mapped", "lfr")):
         measured = [row for row in found if row[f"{of}_successes"]]
         assert line[column] == percent(measured, f"{of}_successes")
