@@ -10,9 +10,11 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Sequence
+from pathlib import Path
 
 from lfr.errors import LfrError
 
+SHELLS = ("sh", "dash", "bash", "zsh", "ksh", "fish")
 INTERRUPTED = 130  # what a shell reports for a program ended by Ctrl-C
 # Errors of the machine, which the reader can mend, and no traceback helps with.
 MACHINE = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EPERM)
@@ -63,14 +65,35 @@ def run_stage(main: Callable[..., None], arguments: Sequence[str] | None = None)
 
 
 def end_with_parent() -> None:
-    """End this process once the one that started it has ended, even if that was killed outright."""
-    threading.Thread(target=_end_with, args=(os.getppid(),), daemon=True).start()
+    """End this process once the one that started it has ended, even if that was killed outright.
+
+    Where a shell stands between the two, as DVC's may, that is the one that started the shell.
+    """
+    parent = os.getppid()
+    name, before = _process(parent)
+    started = [(os.getpid(), parent)]
+    if name in SHELLS:
+        started.append((parent, before))
+    threading.Thread(target=_end_with, args=(started,), daemon=True).start()
 
 
-def _end_with(parent: int) -> None:
-    while os.getppid() == parent:
+def _end_with(started: list[tuple[int, int]]) -> None:
+    """End with any parent of these processes and parents; who loses one is given another."""
+    while all(_process(child)[1] == parent for child, parent in started):
         time.sleep(1.0)
     os._exit(1)
+
+
+def _process(pid: int) -> tuple[str, int]:
+    """The name of a process and its parent, 0 where it has ended."""
+    if pid == os.getpid():
+        return "", os.getppid()
+    try:
+        stat = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8", errors="replace")
+    except OSError:  # it has ended, or there is no such place, as on macOS
+        return "", 0
+    name, _, rest = stat.partition("(")[2].rpartition(")")
+    return name, int(rest.split()[1])
 
 
 def _module(main: Callable[..., None]) -> str:

@@ -177,7 +177,9 @@ def test_none_at_a_time_is_refused(project: Path) -> None:
     assert "--at-once: found 0, expected at least 1" in found.stderr
 
 
-def test_nothing_goes_on_where_it_is_killed(project: Path) -> None:
+@pytest.mark.parametrize("shell", ["/bin/sh", "/bin/bash"])
+def test_nothing_goes_on_where_it_is_killed(project: Path, shell: str) -> None:
+    """Bash gives way to the last command that it runs; dash stays between DVC and the stage."""
     said = project / "said"
     code = "import os, time; open('said', 'w').write(str(os.getpid())); time.sleep(100)"
     # as the stages do (`lfr.program.run_stage`)
@@ -186,7 +188,7 @@ def test_nothing_goes_on_where_it_is_killed(project: Path) -> None:
     )
     process = subprocess.Popen(
         [sys.executable, "-m", "pipeline._repro"], cwd=project, stdout=subprocess.DEVNULL,
-        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        env=os.environ | {"PYTHONPATH": str(ROOT), "SHELL": shell},
     )  # fmt: skip
     for _ in range(600):
         if said.is_file() and said.read_text():
