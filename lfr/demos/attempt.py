@@ -68,9 +68,7 @@ def attempt(simulation: Simulation, params: AttemptParams, seed: int) -> Iterato
     rng = np.random.default_rng([seed, 1])  # the placement has the seed's own stream
     observation = simulation.reset(seed)
     observation = _drift(simulation, observation, params.drift, rng)
-    most = params.expert.grasp_offset
-    offset = rng.uniform(-most, most) if most else 0.0
-    expert = Expert(simulation.task, simulation.layout, params.expert, offset)
+    expert = Expert(simulation.task, simulation.layout, params.expert)
     controller, remaining = simulation.embodiment.controller, simulation.horizon
     while remaining > 0:
         joints, state = simulation.joint_position(), simulation.state()

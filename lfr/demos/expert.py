@@ -12,7 +12,6 @@ from lfr.tasks import Task
 
 PERTURBATION_STEPS = 6
 PERTURBATION = np.array([0.6, 0.6, 0.6, 0.3, 0.3, 0.3])  # bounds on its components
-FROM_HAND = "eef_to_"  # quantities (3,) that lead from the hand to what it may grasp
 SLIP_STEPS = 8  # at 0.2 of the gripper's command a step, enough to lose or to miss an object
 
 
@@ -31,7 +30,6 @@ class ExpertParams:
     persistence: float = 0.8  # its correlation from one step to the next
     perturbation: float = 0.01  # chance per step of a push, PERTURBATION_STEPS long
     slip: float = 0.005  # chance per step that the hand does the opposite for SLIP_STEPS steps
-    grasp_offset: float = 0.0  # m at most, up or down, drawn for each attempt
 
 
 class Expert:
@@ -46,31 +44,21 @@ class Expert:
     and the clean labels stay smooth. Now and then the arm is pushed centimetres aside, as far as a
     learner's own errors take it, and the hand slips, so that a missed grasp and a lost object have
     been seen and mended.
-
-    Args:
-        layout: of the observations.
-        grasp_offset: m, how far above the grasp point it takes hold. Arms come to rest at heights
-            of their own: whoever has seen an object held at one height alone does not know what to
-            do with it at another.
     """
 
-    def __init__(
-        self, task: Task, layout: Space, params: ExpertParams, grasp_offset: float = 0.0
-    ) -> None:
+    def __init__(self, task: Task, layout: Space, params: ExpertParams) -> None:
         self.waypoint = task.waypoint
         self.params = params
         self.disturbance = np.zeros(6)
         self.push, self.pushed = np.zeros(6), 0  # the perturbation, and for how many more steps
         self.slipping = 0
         self.slices = {quantity.name: place for quantity, place in layout.items()}
-        self.grasp_offset = np.array([0.0, 0.0, grasp_offset])
 
     def clean(self, observation: np.ndarray) -> np.ndarray:
         """The noiseless hand motion and gripper action (7,) in [-1, 1] for an observation (D,)."""
 
         def view(quantity: str) -> np.ndarray:
-            found = observation[self.slices[quantity]]
-            return found + self.grasp_offset if quantity.startswith(FROM_HAND) else found
+            return observation[self.slices[quantity]]
 
         waypoint = self.waypoint(view)
         bound = self.params.max_action

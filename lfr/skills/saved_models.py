@@ -18,17 +18,9 @@ from lfr.skills.vae import SkillVAE
 VAE = ModelKind(
     "skill_vae",
     SkillVAE,
-    (
-        "horizon",
-        "action_dim",
-        "latent_dim",
-        "hidden",
-        "execute",
-        "state_names",
-        "turned",
-        "whole_release",
-    ),
-)
+    ("horizon", "action_dim", "latent_dim", "hidden", "execute", "state_names", "turned",
+     "whole_release"),
+)  # fmt: skip
 PRIOR = ModelKind(
     "skill_prior", SkillPrior, ("layout_names", "latent_dim", "hidden", "layers", "turned")
 )

@@ -26,14 +26,14 @@ class SkillVAE(Conditioned):
     before the next skill is chosen; None carries out all, as the paper does.
 
     Args:
-        whole_release: whether a skill that opens a hand which holds is carried out to its end all
-            the same. Where a prior hesitates to let go, its mean skill opens the hand late in it,
-            and who carries out the first half alone puts it off for ever (docs/joint-space.md).
         state_names: what encoder and decoder see of the state in which a skill begins, the first
             dimensions of an observation: q(z|a, s) and p(a|z, s). None of them is the paper's. The
             same motion of an arm's joints is another motion of the hand in another posture, so z
             can say the latter only where the posture is seen.
         turned: whether they see that in the frame of the hand's azimuth (`Normalizer`).
+        whole_release: whether a skill that opens a hand which holds is carried out to its end all
+            the same. Where a prior hesitates to let go, its mean skill opens the hand late in it,
+            and who carries out the first half alone puts it off for ever (docs/joint-space.md).
     """
 
     def __init__(

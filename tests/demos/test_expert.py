@@ -1,7 +1,5 @@
 """The scripted expert: what it does when things go wrong, and that it can do its tasks."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -42,33 +40,6 @@ def test_the_fingers_gap_tells_what_is_held(
     action = expert.clean(over_the_cube(aperture, command))
     assert (action[2] > 0.5) == rises
     assert action[6] == gripper
-
-
-def test_it_takes_hold_above_the_grasp_point_by_its_offset() -> None:
-    expert = Expert(task("lift"), task("lift").observation, CALM, grasp_offset=0.008)
-    seen = over_the_cube(aperture=0.04, command=0.0)
-    assert expert.clean(seen)[2] > 0.1  # the hand stands 8 mm too low
-    seen[task("lift").observation.slice("eef_to_cube")] = [0.0, 0.0, -0.008]
-    assert expert.clean(seen)[2] == pytest.approx(0.0, abs=1e-9)
-
-
-def test_attempts_take_hold_at_heights_of_their_own() -> None:
-    engine = simulation("panda-joint_position", "pick_place")
-
-    def held(offset: float) -> list[float]:
-        """How far the can is above the hand once the fingers hold it, m, in some attempts."""
-        layout, params = engine.layout, AttemptParams(replace(CALM, grasp_offset=offset))
-        height = layout.slice("eef_to_can").start + 2
-        heights = []
-        for seed in range(4):
-            seen = np.stack([one.observation for one in attempt(engine, params, seed)])
-            closed = seen[:, layout.index("gripper_command")] == 1.0  # as some also begin
-            there = np.abs(seen[:, height]) < 0.02
-            heights.append(float(seen[closed & there, height][0]))
-        return heights
-
-    assert np.ptp(held(0.0)) < 0.002
-    assert np.ptp(held(0.01)) > 0.005
 
 
 def test_a_perturbation_is_one_push_of_some_steps_and_the_label_stays_clean() -> None:
