@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -10,7 +11,7 @@ import pytest
 
 from lfr.evaluation.marked import shown
 from studies.evidence.page import tables_of
-from studies.evidence.runs import Run, read_curves, read_runs
+from studies.evidence.runs import CurvePoint, Run, add, read_curves, read_runs
 from studies.evidence.statistics import Interval, difference
 from studies.evidence.tables import PAPER, PAPERS, TABLES, chosen
 
@@ -56,6 +57,17 @@ def test_every_run_that_learned_has_its_curve() -> None:
     curves = {point.key[:6] for point in read_curves(RESULTS / "curves.csv")}
     learned = {run.key[:6] for run in runs() if run.env_steps}
     assert learned == curves
+
+
+def test_a_repeated_run_leaves_nothing_of_its_curve(tmp_path: Path) -> None:
+    path = tmp_path / "curves.csv"
+    first = [CurvePoint("t", "lfr", "ours", "sparse", 50, 0, steps, 0.5) for steps in (0, 5006)]
+    other = [replace(point, seed=1) for point in first]
+    add(CurvePoint, path, [*first, *other])
+    again = [replace(point, success=1.0, env_steps=steps)
+             for point, steps in zip(first, (0, 5011), strict=True)]  # fmt: skip
+    add(CurvePoint, path, again)
+    assert read_curves(path) == [*again, *other]
 
 
 def test_seeds_are_whole() -> None:

@@ -17,7 +17,7 @@ class VAEParams:
 
     horizon: int = 10  # H, control steps of a skill
     execute: int = 5  # of them carried out before the next skill is chosen; the paper's is H
-    whole_release: bool = False  # but of a skill that opens a hand which holds, all H
+    whole_release: bool = True  # but of a skill that opens a hand which holds, all H
     latent_dim: int = 32  # Z; the paper's is 10
     hidden: int = 128  # LSTM units
     alpha: float = 1e-5  # weight of the divergence in Eq. 3

@@ -69,7 +69,7 @@ class Run:
 
 @dataclass(frozen=True)
 class CurvePoint:
-    """Success of a run while it learns, on a few learning starts."""
+    """Success of a run while it learns, on a few learning starts: a point of its curve."""
 
     transfer: str
     method: str
@@ -82,7 +82,8 @@ class CurvePoint:
 
     @property
     def key(self) -> tuple[Any, ...]:
-        return astuple(self)[:-1]
+        """Of the whole curve: a run that was repeated has been evaluated at other steps."""
+        return astuple(self)[:-2]
 
 
 def read_runs(path: Path = RUNS) -> list[Run]:
@@ -96,10 +97,13 @@ def read_curves(path: Path = CURVES) -> list[CurvePoint]:
 
 
 def add[Row: (Run, CurvePoint)](kind: type[Row], path: Path, rows: Iterable[Row]) -> None:
-    """Put rows into a table, in the place of those with the same key, and keep it in order."""
-    known = {row.key: row for row in (_read(kind, path) if path.is_file() else [])}
-    known |= {row.key: row for row in rows}
-    ordered = [known[key] for key in sorted(known)]
+    """Put rows into a table, in the place of all those with their keys, and keep it in order."""
+    new = list(rows)
+    repeated = {row.key for row in new}
+    known = _read(kind, path) if path.is_file() else []
+    kept = [row for row in known if row.key not in repeated]
+    # a curve's points have one key and keep their order
+    ordered = sorted([*kept, *new], key=lambda row: row.key)
     names = [field.name for field in fields(kind)]
     with write_whole(path) as partial, partial.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.DictWriter(stream, names, lineterminator="\n")
