@@ -1,4 +1,8 @@
-"""Pictures of a simulation, drawn off screen with robosuite's full visual model."""
+"""Pictures of a simulation, drawn off screen with robosuite's full visual model.
+
+What a fixed camera sees of what cannot move, it draws once; a frame draws what can, and is put
+together pixel by pixel, by depth. So it is what a drawing of the whole scene would be.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +23,15 @@ import lfr.tasks
 from lfr.errors import MissingLibraryError, UnknownNameError
 from lfr.sim.camera_params import STOCK_NAMES, CameraParams, check_names
 from lfr.sim.simulation import Simulation
-from lfr.sim.visual import GROUP, OUT_OF_SIGHT, coarsen_robot, in_sight, visual_model
+from lfr.sim.visual import (
+    GROUP,
+    OUT_OF_SIGHT,
+    coarsen_robot,
+    in_sight,
+    still,
+    transparent,
+    visual_model,
+)
 
 _SKIPPED = ("mjRND_SHADOW", "mjRND_REFLECTION", "mjRND_SKYBOX", "mjRND_HAZE")
 """Effects that cost two thirds of the time on a software renderer and show nothing of the task."""
@@ -82,6 +94,11 @@ class Camera:
             pixel = 2.0 * np.tan(0.5 * np.radians(model.cam_fovy[camera])) / height
             coarsen_robot(model, _CELL * pixel)
         self._visual = model.geom_group == GROUP
+        self._each_time = self._visual.copy()  # what a frame draws
+        self._still: tuple[NDArray[np.uint8], NDArray[np.float32]] | None = None
+        if not self.moves:
+            # what is transparent hides nothing: it is drawn over whatever the frame has behind it
+            self._each_time &= ~still(model) | transparent(model)
         self._task = lfr.tasks.task(task)
         self._option = mujoco.MjvOption()
         self._option.geomgroup[:] = 0
@@ -103,22 +120,15 @@ class Camera:
     def render(self, simulation: Simulation) -> NDArray[np.uint8]:
         """The scene as it is now, (height, width, 3), RGB, top row first."""
         self._follow(simulation)
-        mujoco.mjv_updateScene(
-            self._model,
-            self._data,
-            self._option,
-            mujoco.MjvPerturb(),
-            self._view,
-            mujoco.mjtCatBit.mjCAT_ALL.value,
-            self._drawing,
-        )
-        self._gl.make_current()
-        picture = np.empty((self.height, self.width, 3), dtype=np.uint8)
-        frame = mujoco.MjrRect(0, 0, self.width, self.height)
-        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
-        mujoco.mjr_render(frame, self._drawing, self._context)
-        mujoco.mjr_readPixels(picture, None, frame, self._context)
-        return picture[::-1]
+        picture, depth = self._draw(self._each_time)
+        if self.moves:
+            return picture[::-1]
+        if self._still is None:
+            alike = self._visual & still(self._model)
+            _, behind = self._draw(alike & ~transparent(self._model))
+            self._still = self._draw(alike)[0], behind
+        background, behind = self._still
+        return np.where((depth < behind)[..., None], picture, background)[::-1]
 
     def projection(self, simulation: Simulation) -> Projection:
         """How points in the world fall on its picture of the scene as it is now."""
@@ -141,6 +151,28 @@ class Camera:
             self._context.free()
             self._gl = None  # MuJoCo frees a context that no camera has any more
 
+    def _draw(self, geoms: NDArray[np.bool_]) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
+        """Picture and depth, bottom row first, of those of ``geoms`` (ngeom,) that are in sight.
+
+        A depth is from 0, near, to 1, and 1 where nothing is; what is transparent has none.
+        """
+        model, aspect = self._model, self.width / self.height
+        seen = geoms & in_sight(model, self._data, self._view.fixedcamid, aspect, geoms)
+        model.geom_group[self._visual] = np.where(seen[self._visual], GROUP, OUT_OF_SIGHT)
+        everything = mujoco.mjtCatBit.mjCAT_ALL.value
+        mujoco.mjv_updateScene(
+            model, self._data, self._option, mujoco.MjvPerturb(), self._view, everything,
+            self._drawing,
+        )  # fmt: skip
+        self._gl.make_current()
+        picture = np.empty((self.height, self.width, 3), dtype=np.uint8)
+        depth = np.empty((self.height, self.width), dtype=np.float32)
+        frame = mujoco.MjrRect(0, 0, self.width, self.height)
+        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
+        mujoco.mjr_render(frame, self._drawing, self._context)
+        mujoco.mjr_readPixels(picture, depth, frame, self._context)
+        return picture, depth
+
     def _pose(self, simulation: Simulation) -> None:
         self._data.qpos[:] = simulation.position()
         mujoco.mj_kinematics(self._model, self._data)
@@ -155,9 +187,6 @@ class Camera:
             last = first + int(body.geomnum[0])
             self._model.geom_size[first:last] = size
             self._model.geom_rbound[first:last] = np.linalg.norm(size)
-        aspect = self.width / self.height
-        seen = in_sight(self._model, self._data, self._view.fixedcamid, aspect, self._visual)
-        self._model.geom_group[self._visual] = np.where(seen[self._visual], GROUP, OUT_OF_SIGHT)
 
 
 def open_cameras(embodiment: str, task: str, wanted: Sequence[CameraParams]) -> tuple[Camera, ...]:

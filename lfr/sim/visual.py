@@ -64,6 +64,21 @@ def coarsen_robot(model: Any, cell: float) -> None:
         _coarsen(model, int(mesh), cell)
 
 
+def still(model: Any) -> NDArray[np.bool_]:
+    """Which geoms (ngeom,) cannot move: those of the world and of what is fastened to it."""
+    return model.body_weldid[model.geom_bodyid] == 0
+
+
+def transparent(model: Any) -> NDArray[np.bool_]:
+    """Which geoms (ngeom,) let through what is behind them."""
+    # MuJoCo: a geom without a colour of its own has its material's
+    uncoloured = (model.geom_rgba == np.array([0.5, 0.5, 0.5, 1.0])).all(axis=1)
+    of_material = uncoloured & (model.geom_matid >= 0)
+    alpha = model.geom_rgba[:, 3].copy()
+    alpha[of_material] = model.mat_rgba[model.geom_matid[of_material], 3]
+    return alpha < 1.0
+
+
 def in_sight(
     model: Any, data: Any, camera: int, aspect: float, group: NDArray[np.bool_]
 ) -> NDArray[np.bool_]:

@@ -16,7 +16,7 @@ from lfr.sim.camera import Camera, camera_available, open_cameras
 from lfr.sim.camera_params import STOCK_NAMES, CameraParams
 from lfr.sim.simulation import simulation
 from lfr.sim.stock import StockSimulation
-from lfr.sim.visual import visual_model
+from lfr.sim.visual import transparent, visual_model
 from lfr.tasks import TASKS
 from tests.sim.pairs import put
 
@@ -286,6 +286,36 @@ def test_what_is_left_out_is_not_in_the_picture(task: str, monkeypatch: pytest.M
         assert apart[40:].max() == 0  # the arm's part of the picture is at its top
     view.close()
     fine.close()
+
+
+@needs_opengl
+@pytest.mark.parametrize(
+    ("task", "name"), [*((task, "agentview") for task in TASKS), ("pick_place", "birdview")]
+)
+def test_what_cannot_move_is_drawn_once_and_looks_the_same(
+    task: str, name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Against the whole scene drawn at once, also where the can's target shines through the arm."""
+    engine = simulation("panda", task)
+    view = Camera("panda", task, name)
+    with monkeypatch.context() as patch:
+        patch.setattr(camera, "still", lambda model: np.zeros(model.ngeom, dtype=bool))
+        at_once = Camera("panda", task, name)
+        at_once.render(engine)
+    glass = view._visual & transparent(view._model)
+    assert glass.any() == (task == "pick_place")
+    assert np.count_nonzero(view._each_time) < 0.8 * np.count_nonzero(at_once._each_time)
+    through = 0
+    for seed in (0, 1):
+        engine.reset(seed)
+        for _ in range(7):
+            engine.step(np.tile([0.25, 1.0, -0.6, 0.0, 0.0, 0.2, 1.0], (5, 1)))
+            np.testing.assert_array_equal(view.render(engine), at_once.render(engine))
+            moving = view._draw(view._each_time)[1] < 1
+            through += np.count_nonzero(moving & (view._draw(glass)[0].sum(axis=-1) > 0))
+    assert (through > 20) == glass.any()
+    view.close()
+    at_once.close()
 
 
 @needs_opengl
