@@ -120,7 +120,7 @@ def test_more_cameras_are_more_to_record(tmp_path: Path, monkeypatch: pytest.Mon
     for one, two in (figures[2:4], figures[4:6]):  # the sizes, which are the same on any machine
         assert two.ratio < one.ratio < 1
     states = read_log(next(tmp_path.rglob("*.mcap"))).simulator_state[:2]
-    assert [figure.unit for figure in cameras.sampling(states, 1)] == ["pictures/s"] * 2
+    assert [figure.unit for figure in cameras.drawing(states, 1)] == ["pictures/s"] * 4
 
 
 def test_a_page_shows_what_was_put_there(tmp_path: Path) -> None:
