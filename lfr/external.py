@@ -14,7 +14,8 @@ from typing import Any
 from lfr.columns import ActionPart, Columns, Part
 from lfr.embodiments import is_known
 from lfr.errors import UnknownNameError
-from lfr.params import PARAMS, from_mapping, read_yaml
+from lfr.params import PARAMS, read_yaml
+from lfr.records import from_mapping
 
 SECTION = "external"
 

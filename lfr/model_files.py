@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from lfr.artifacts import as_json, load_model, save_model
 from lfr.errors import DataError
-from lfr.params import from_mapping
+from lfr.records import from_mapping
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance

@@ -14,7 +14,8 @@ from typing import Literal, get_args
 from lfr.embodiments import embodiments, is_known
 from lfr.errors import LfrError, ParameterError, UnknownNameError
 from lfr.external import ExternalArm, external
-from lfr.params import PARAMS, from_mapping, read_yaml
+from lfr.params import PARAMS, read_yaml
+from lfr.records import from_mapping
 from lfr.tasks import TASKS
 from lfr.tasks import task as task_named
 

@@ -20,10 +20,10 @@ from lfr.program import run_program
 from lfr.scenarios import Transfer
 from lfr.scenarios import scenario as scenario_named
 from lfr.scenarios import transfer as transfer_named
+from lfr.skills.library import pipeline_models
 from lfr.skills.skill_policy import SkillFiles
 from pipeline import mapping, pack, record, skills
 from pipeline._film import film
-from pipeline._skills import skills_of
 
 FOLDER, PARAMS = Path("work/demo"), Path(__file__).with_name("demo.yaml")
 PICTURE = Path("results/demo.png")
@@ -77,7 +77,7 @@ def _demonstrate(robot: str, task: str) -> None:
 
 
 def _shown(transfer: Transfer) -> dict[str, Trial]:
-    models = skills_of(scenario_named(transfer.scenario), transfer)
+    models = pipeline_models(scenario_named(transfer.scenario), transfer)
     folder = Path("models/mapping") / transfer.name
     chain = chain_trials(transfer, models, folder, 1)
     of = models["source"]

@@ -15,9 +15,8 @@ from lfr.scenarios import Role, Transfer
 from lfr.scenarios import scenario as scenario_named
 from lfr.scenarios import transfer as transfer_named
 from lfr.skills.demonstrations import dataset_of
-from lfr.skills.library import RoleModels
+from lfr.skills.library import RoleModels, pipeline_models
 from lfr.skills.skill_params import SkillsParams
-from pipeline._skills import skills_of
 from pipeline._stage import SeedParams, models_into, rows_of, unfinished_work, write_metrics
 
 
@@ -32,7 +31,7 @@ def main(transfer: str) -> None:
     held_out = read_section(SkillsParams, "skills").held_out
     seed = read_section(SeedParams, "seeds").models
     arms = external_arms(scenario.robots)
-    skills = skills_of(scenario, chosen, arms)
+    skills = pipeline_models(scenario, chosen, arms)
     inputs = _inputs(chosen, skills, arms)
     work = unfinished_work("mapping", transfer, chosen, params, held_out, seed, arms, *inputs)
 

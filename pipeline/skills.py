@@ -15,10 +15,9 @@ from lfr.scenarios import scenario as scenario_named
 from lfr.scenarios import transfer as transfer_named
 from lfr.skills.compatible import check_arms
 from lfr.skills.demonstrations import dataset_of
-from lfr.skills.library import needed_models
+from lfr.skills.library import needed_models, skills_root
 from lfr.skills.model_jobs import ModelJobs, model_jobs
 from lfr.skills.skill_params import SkillsParams
-from pipeline._skills import skills_root
 from pipeline._stage import SeedParams, rows_of, unfinished_work, write_metrics
 
 

@@ -12,11 +12,11 @@ from lfr.params import read_section
 from lfr.program import run_stage
 from lfr.scenarios import scenario as scenario_named
 from lfr.scenarios import transfer as transfer_named
+from lfr.skills.library import pipeline_models
 from lfr.skills.saved_models import load_seen
 from lfr.transfer.methods import method as method_named
 from lfr.transfer.transfer_params import TransferParams
 from pipeline._runs import RunJob, learn
-from pipeline._skills import skills_of
 from pipeline._stage import SeedParams, unfinished_work, write_metrics
 
 
@@ -30,7 +30,7 @@ def main(transfer: str, method: str) -> None:
     params = read_section(TransferParams, "transfer")
     seeds = read_section(SeedParams, "seeds").transfer
     name = f"{transfer}-{method}"
-    skills = skills_of(scenario_named(chosen.scenario), chosen)
+    skills = pipeline_models(scenario_named(chosen.scenario), chosen)
     source, target, mapping = skills["source"], skills["target"], Path("models/mapping") / transfer
     models = source.vae(), source.prior(chosen.task), target.vae(), mapping
     work = unfinished_work("transfer", name, chosen, params, *models)

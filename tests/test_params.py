@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from lfr.artifacts import as_json
 from lfr.errors import ParameterError
-from lfr.params import from_mapping, read_section
+from lfr.params import read_section
+from lfr.records import from_mapping
 
 
 @dataclass(frozen=True)

@@ -5,10 +5,12 @@ from __future__ import annotations
 import csv
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from lfr.artifacts import write_whole
-from lfr.evaluation.records import Record
+
+if TYPE_CHECKING:
+    from lfr.evaluation.records import Record
 
 COLORS = ("#1b6ca8", "#c4572e", "#3a8f5c", "#7a5195", "#8a8a8a")  # told apart when printed grey
 STYLE: dict[Any, Any] = {

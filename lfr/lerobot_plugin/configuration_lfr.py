@@ -13,6 +13,7 @@ from typing import Any
 from lerobot.configs import FeatureType, NormalizationMode, PolicyFeature, PreTrainedConfig
 from lerobot.optim import AdamConfig, LRSchedulerConfig, OptimizerConfig
 from lerobot.utils.constants import ACTION, OBS_ENV_STATE, OBS_STATE
+from lerobot.utils.feature_utils import dataset_to_policy_features
 
 from lfr.embodiments import embodiment
 from lfr.errors import ParameterError
@@ -30,6 +31,8 @@ class LfrConfig(PreTrainedConfig):
         networks: of each network its class and the arguments of its constructor.
         distribution: what the policy draws its skills from (`lfr.transfer.distribution`).
         min_sigma: added in quadrature to its sigma (`lfr.transfer.extended_policy.MappedPolicy`).
+        columns: of an arm that is known by its datasets alone, which numbers of which columns the
+            policy sees and what its actions are there (`lfr.lerobot_plugin.columns_processor`).
         about: all else that was saved with it: transfer, method, seed, parameters, provenance.
     """
 
@@ -38,6 +41,7 @@ class LfrConfig(PreTrainedConfig):
     networks: dict[str, Any] = field(default_factory=dict)
     distribution: str = "gaussian"
     min_sigma: float = 0.0
+    columns: dict[str, Any] = field(default_factory=dict)
     about: dict[str, Any] = field(default_factory=dict)
     # The networks scale their inputs themselves.
     normalization_mapping: dict[str, NormalizationMode] = field(
@@ -86,6 +90,19 @@ class ActionFeature(PolicyFeature):
     def __init__(self, robot: str) -> None:
         super().__init__(FeatureType.ACTION, (embodiment(robot).action.size,))
         self.robot = robot
+
+
+def own_features(
+    columns: dict[str, Any],
+) -> tuple[dict[str, PolicyFeature], dict[str, PolicyFeature]]:
+    """As `features_of`, of the columns of an arm's own datasets; one of them is ``action``.
+
+    Args:
+        columns: as a dataset's ``meta/info.json`` has them under ``features``.
+    """
+    found = dataset_to_policy_features(columns)
+    answered = {key: one for key, one in found.items() if one.type is FeatureType.ACTION}
+    return {key: one for key, one in found.items() if key not in answered}, answered
 
 
 def features_of(

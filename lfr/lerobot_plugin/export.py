@@ -1,63 +1,104 @@
-"""`lfr export`: a transferred policy as a folder for LeRobot's `--policy.path`."""
+"""`lfr export`: a policy of this project as a folder for LeRobot's `--policy.path`."""
 
 from __future__ import annotations
 
 import argparse
 import shlex
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from lfr.artifacts import write_whole
 from lfr.errors import DataError
 
+if TYPE_CHECKING:
+    from lfr.lerobot_plugin.mapped import OwnColumns
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The arguments of `lfr export`."""
-    parser.add_argument("policy", type=Path, help="a trained policy's folder")
+    parser.add_argument(
+        "policy", type=Path,
+        help="a trained policy's folder, or that of a mapping, models/mapping/<transfer>",
+    )  # fmt: skip
     parser.add_argument("out", type=Path, help="the folder to write; nothing may be there yet")
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Carry out `lfr export`, and say how to evaluate what it wrote.
+    """Carry out `lfr export`, and say how to use what it wrote.
 
     Raises:
-        DataError: no transferred policy, a damaged one, or something where it should go.
+        DataError: no policy and no mapping, a damaged one, or something where it should go.
     """
-    robot, task = export_policy(arguments.policy, arguments.out)
-    print(
-        f"lerobot-eval {shlex.quote(f'--policy.path={arguments.out}')} "
-        "--env.discover_packages_path=lfr.lerobot_plugin --env.type=lfr "
-        f"--env.robot={robot} --env.task={task} --seed=0 --eval.n_episodes=100 --eval.batch_size=1"
-    )
+    exported = export_policy(arguments.policy, arguments.out)
+    path = shlex.quote(f"--policy.path={arguments.out}")
+    found = "--env.discover_packages_path=lfr.lerobot_plugin"
+    if exported.columns is None:
+        print(
+            f"lerobot-eval {path} {found} --env.type=lfr --env.robot={exported.robot} "
+            f"--env.task={exported.task} --seed=0 --eval.n_episodes=100 --eval.batch_size=1"
+        )
+        return 0
+    print(f"{exported.robot} can be asked to {exported.task}; nobody has seen it do so.")
+    for column, feature in exported.columns.features.items():
+        seen = "answers" if column == exported.columns.selection.action.column else "sees"
+        print(f"  {seen} {column}, {feature['shape'][0]} numbers")
+    print(f"  at {exported.columns.fps:g} control steps a second")
+    print(f"lerobot-eval {path} {found} --env.type=... --eval.batch_size=1")
     return 0
 
 
-def export_policy(folder: Path, out: Path) -> tuple[str, str]:
+@dataclass(frozen=True)
+class Exported:
+    """What has been written.
+
+    Attributes:
+        robot, task: who acts, and what it does.
+        columns: what it sees and answers, where it is known by its datasets alone.
+    """
+
+    robot: str
+    task: str
+    columns: OwnColumns | None = None
+
+
+def export_policy(folder: Path, out: Path) -> Exported:
     """Write the policy in `folder` as LeRobot's `save_pretrained` would, whole or not at all.
 
-    Returns:
-        The embodiment and the task that it has learned.
+    Args:
+        folder: a transferred policy's, or a mapping's, which acts as it did before any learning on
+            the target. For a mapping it reads `params.yaml` too, and the target's metadata.
 
     Raises:
-        DataError: no transferred policy, a damaged one, or something where it should go.
+        DataError: no policy and no mapping, a damaged one, or something where it should go.
     """
-    from lfr.lerobot_plugin.configuration_lfr import LfrConfig, features_of
+    from lfr.lerobot_plugin.configuration_lfr import LfrConfig, features_of, own_features
+    from lfr.lerobot_plugin.mapped import mapped_actor
     from lfr.lerobot_plugin.modeling_lfr import LfrPolicy
     from lfr.lerobot_plugin.processor_lfr import make_lfr_pre_post_processors
-    from lfr.model_files import read_model
-    from lfr.transfer.model import KIND, load_policy
+    from lfr.transfer.model import described, load_policy
 
     if out.exists():
         raise DataError("there is something already; remove it or name another folder", file=out)
-    load_policy(folder)  # a damaged one is refused by its own reader
-    content, tensors = read_model(folder, KIND)
-    about = content["about"]
-    given, answered = features_of(about["robot"], about["task"])
+    columns = None
+    about: dict[str, Any]
+    if (folder / "g").is_dir():
+        mapped = mapped_actor(folder)
+        actor, columns, transfer = mapped.actor, mapped.columns, mapped.transfer
+        about = {"robot": transfer.target, "task": transfer.task, "transfer": transfer.name,
+                 "source": transfer.source, "seed": mapped.seed}  # fmt: skip
+    else:
+        actor, about = load_policy(folder)
+    robot, task = about["robot"], about["task"]
+    given, answered = own_features(columns.features) if columns else features_of(robot, task)
+    networks, tensors = described(actor, folder / "config.json")
     config = LfrConfig(
-        robot=about["robot"],
-        task_name=about["task"],
-        networks=content["networks"],
-        distribution=content.get("distribution", LfrConfig.distribution),
-        min_sigma=content.get("min_sigma", LfrConfig.min_sigma),
+        robot=robot,
+        task_name=task,
+        networks=networks,
+        distribution=actor.distribution.name,
+        min_sigma=actor.policy.min_sigma,
+        columns=columns.described() if columns else {},
         about={key: value for key, value in about.items() if key not in ("robot", "task")},
         input_features=given,
         output_features=answered,
@@ -72,4 +113,4 @@ def export_policy(folder: Path, out: Path) -> tuple[str, str]:
         policy.save_pretrained(partial)
         for processor in make_lfr_pre_post_processors(config):
             processor.save_pretrained(partial)
-    return about["robot"], about["task"]
+    return Exported(robot, task, columns)

@@ -13,6 +13,7 @@ from lerobot.utils.constants import ACTION, OBS_ENV_STATE, OBS_STATE
 from torch import Tensor, nn
 
 from lfr.errors import LfrError
+from lfr.lerobot_plugin.columns_processor import SELECTED
 from lfr.lerobot_plugin.configuration_lfr import ActionFeature, LfrConfig
 from lfr.transfer.model import actor_of
 from lfr.transfer.network_kinds import network_kind
@@ -39,6 +40,7 @@ class LfrPolicy(PreTrainedPolicy):
             self.add_module(name, networks[name].requires_grad_(False))
         self._actor = actor_of(networks, config.distribution, config.min_sigma)
         self._task = config.task_name
+        self._observed = (SELECTED,) if config.columns else (OBS_STATE, OBS_ENV_STATE)
         self._waiting: list[deque[Tensor]] = []  # of each row
 
     @classmethod
@@ -59,7 +61,7 @@ class LfrPolicy(PreTrainedPolicy):
         Raises:
             LfrError: an observation of another size than the policy's task has.
         """
-        rows = len(batch[OBS_STATE])
+        rows = len(batch[self._observed[0]])
         if len(self._waiting) != rows:
             self._waiting = [deque() for _ in range(rows)]
         if not all(self._waiting):
@@ -80,9 +82,10 @@ class LfrPolicy(PreTrainedPolicy):
 
     def _skills(self, batch: dict[str, Tensor]) -> Sequence[Tensor]:
         """The actions of the next skill of each row, (n, A), as many as are carried out of it."""
-        for key in (OBS_STATE, OBS_ENV_STATE):
-            self._check(key, tuple(batch[key].shape[1:]))
-        observations = torch.cat([batch[OBS_STATE], batch[OBS_ENV_STATE]], dim=-1)  # (B, D)
+        for key in self._observed:
+            if key != SELECTED:  # whose columns are held to their sizes as they are selected
+                self._check(key, tuple(batch[key].shape[1:]))
+        observations = torch.cat([batch[key] for key in self._observed], dim=-1)  # (B, D)
         return self._actor.decoder.carry_out(self._actor.choose(observations).z, observations)
 
     def forward(self, batch: dict[str, Tensor]) -> tuple[Tensor, dict | None]:

@@ -1,4 +1,4 @@
-"""What LeRobot does to a batch before and after a transferred policy: its own steps, no scaling."""
+"""What LeRobot does to a batch before and after a policy: its own steps, and an arm's columns."""
 
 from __future__ import annotations
 
@@ -7,10 +7,12 @@ from typing import Any
 from lerobot.processor import (
     PolicyAction,
     PolicyProcessorPipeline,
-    make_default_pre_post_processors,
+    make_default_policy_processor_steps,
+    make_policy_processor_pipelines,
 )
 from torch import Tensor
 
+from lfr.lerobot_plugin.columns_processor import PhysicalAction, SelectColumns
 from lfr.lerobot_plugin.configuration_lfr import LfrConfig
 
 
@@ -20,8 +22,15 @@ def make_lfr_pre_post_processors(
     PolicyProcessorPipeline[dict[str, Any], dict[str, Any]],
     PolicyProcessorPipeline[PolicyAction, PolicyAction],
 ]:
-    """Names, batch dimension and device; every feature is left as it is, whatever its statistics.
+    """Names, batch dimension and device; of an arm known by its datasets the selection of their
+    columns, and its actions in their units. Nothing is scaled by statistics.
 
     The name is LeRobot's convention for a policy of type `lfr`.
     """
-    return make_default_pre_post_processors(config, dataset_stats)
+    steps = make_default_policy_processor_steps(config, dataset_stats)
+    before = [steps.rename_observations, steps.add_batch_dim, steps.to_device, steps.normalize]
+    after = [steps.unnormalize, steps.to_cpu]
+    if config.columns:
+        before.append(SelectColumns(config.columns["observation"]))
+        after.append(PhysicalAction(**config.columns["action"]))
+    return make_policy_processor_pipelines(before, after)

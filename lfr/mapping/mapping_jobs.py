@@ -201,8 +201,8 @@ def arm_skills(job: MappingJob, role: Role) -> ArmSkills | None:
 def read_material(job: MappingJob, seed: int) -> Material:
     """Read both arms' demonstrations and keep what the mapping needs of them."""
     transfer = job.transfer
-    source = _read(job, transfer.source, "source", (*transfer.common, transfer.task))
-    target = _read(job, transfer.target, "target", transfer.common)
+    source = read_as(job, transfer.source, "source", (*transfer.common, transfer.task))
+    target = read_as(job, transfer.target, "target", transfer.common)
     new = source[transfer.task]
     prior = load_prior(job.skills["source"].prior(transfer.task), new.names)
     spaces = new.actions, target[transfer.common[0]].actions
@@ -252,9 +252,10 @@ def _common(
     return tasks
 
 
-def _read(
+def read_as(
     job: MappingJob, robot: str, role: Role, tasks: tuple[str, ...]
 ) -> dict[str, Demonstrations]:
+    """An arm's demonstrations as its models in a role have seen them; raises as `read_visible`."""
     horizon = load_vae(job.skills[role].vae()).horizon
     return read_visible(
         job.scenario, robot, role, tasks,

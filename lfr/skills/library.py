@@ -9,7 +9,7 @@ motions of the joints, the hand's ``jacobian``; ``<tasks>`` are the names in the
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,6 +17,8 @@ from lfr.embodiments import may_share_actions
 from lfr.errors import DataError
 from lfr.scenarios import Role, Scenario, Transfer, check_visible, visible_tasks
 from lfr.skills.saved_models import load_seen
+
+MODELS = Path("models")  # of the pipeline
 
 
 @dataclass(frozen=True)
@@ -110,6 +112,28 @@ def transfer_models(scenario: Scenario, transfer: Transfer, root: Path) -> dict[
     """The skill models of a transfer by role, below the folder of all skill models."""
     return {
         role: RoleModels(scenario, robot, role, str(root))
+        for role, robot in roles_of(transfer).items()
+    }
+
+
+def skills_root(robot: str, arms: Collection[str], models: Path = MODELS) -> Path:
+    """The folder that the pipeline leaves the skill models of a robot in.
+
+    External arms' lie apart, so that what needs these asks for no demonstration of simulated ones.
+
+    Args:
+        arms: those that are external.
+        models: the pipeline's folder of all models.
+    """
+    return models / ("external-skills" if robot in arms else "skills")
+
+
+def pipeline_models(
+    scenario: Scenario, transfer: Transfer, arms: Collection[str] = (), models: Path = MODELS
+) -> dict[Role, RoleModels]:
+    """The skill models of a transfer by role, where the pipeline leaves them (`skills_root`)."""
+    return {
+        role: RoleModels(scenario, robot, role, str(skills_root(robot, arms, models)))
         for role, robot in roles_of(transfer).items()
     }
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from lfr.artifacts import as_json, save_model
 from lfr.errors import DataError
@@ -13,6 +13,9 @@ from lfr.transfer.actor import SkillActor
 from lfr.transfer.distribution import GAUSSIAN, distribution
 from lfr.transfer.extended_policy import MappedPolicy
 from lfr.transfer.network_kinds import network_kind
+
+if TYPE_CHECKING:
+    from torch import Tensor
 
 KIND = "transferred_policy"
 
@@ -23,20 +26,31 @@ def save_policy(folder: Path, actor: SkillActor, about: dict[str, Any]) -> None:
     Raises:
         DataError: a network of a kind that is not known (`lfr.transfer.network_kinds`).
     """
-    networks = _networks(actor)
-    shapes = {}
-    tensors = {}
-    for name, network in networks.items():
-        kind = type(network).__name__
-        shape = network_kind(kind, folder / "config.json").shape_of(network)
-        shapes[name] = {"class": kind, "shape": shape}
-        tensors |= {f"{name}.{key}": value for key, value in network.state_dict().items()}
+    shapes, tensors = described(actor, folder / "config.json")
     config = {"kind": KIND, "about": as_json(about), "networks": shapes}
     if actor.distribution != GAUSSIAN:
         config["distribution"] = actor.distribution.name
     if actor.policy.min_sigma > 0.0:
         config["min_sigma"] = actor.policy.min_sigma
     save_model(folder, config, tensors)
+
+
+def described(actor: SkillActor, file: Path) -> tuple[dict[str, Any], dict[str, Tensor]]:
+    """Its networks' classes and the arguments of their constructors by name, and all tensors.
+
+    Args:
+        file: where they will stand, for messages.
+
+    Raises:
+        DataError: a network of a kind that is not known.
+    """
+    shapes: dict[str, Any] = {}
+    tensors: dict[str, Tensor] = {}
+    for name, network in _networks(actor).items():
+        kind = type(network).__name__
+        shapes[name] = {"class": kind, "shape": network_kind(kind, file).shape_of(network)}
+        tensors |= {f"{name}.{key}": value for key, value in network.state_dict().items()}
+    return shapes, tensors
 
 
 def load_policy(folder: Path) -> tuple[SkillActor, dict[str, Any]]:

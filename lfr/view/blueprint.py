@@ -224,13 +224,14 @@ def pictures_view(cameras: Sequence[rrb.View]) -> rrb.View | rrb.Container:
 
 def _actions(layout: EpisodeLayout) -> list[rrb.View]:
     span = UNIT if layout.gripper else None
-    views = [series_view(title, f"/action/{name}", span) for name, title in layout.actions.items()]
+    actions = layout.actions.items()  # and what a policy would have done, where it is there
+    views = [series_view(title, f"/action/{name}/**", span) for name, title in actions]
     return [*views, *((gripper_view(),) if layout.gripper else ())]
 
 
 def gripper_view(root: str = "") -> rrb.View:
     """What the gripper is told, what it has become of that, and its aperture."""
-    contents = [f"{root}/action/gripper", f"{root}/gripper"]
+    contents = [f"{root}/action/gripper/**", f"{root}/gripper"]
     return series_view("Gripper (-1 open, +1 closed)", contents, UNIT)
 
 

@@ -77,6 +77,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="of all skill models (default: beside that of all mappings)",
     )  # fmt: skip
     shown.add_argument(
+        "--policy", type=Path, metavar="FOLDER",
+        help="in LeRobot's format: what it would have done at each frame, beside the actions",
+    )  # fmt: skip
+    shown.add_argument(
         "--findings", nargs="?", const=VERIFY, metavar="FILE.json",
         help="of a dataset, worst episodes first: what lfr verify finds, or printed with --json",
     )  # fmt: skip
@@ -211,7 +215,10 @@ def _wanted(arguments: argparse.Namespace) -> Wanted:
         selection = replace(
             selection or Selection(), findings=True, order=arguments.sort or "score"
         )
-    return Wanted(selection, seed, arguments.mapping, arguments.skills, arguments.at, findings)
+    return Wanted(
+        selection, seed, arguments.mapping, arguments.skills, arguments.policy, arguments.at,
+        findings,
+    )  # fmt: skip
 
 
 def _findings(arguments: argparse.Namespace) -> Findings | None:
@@ -252,6 +259,8 @@ def _check_names(arguments: argparse.Namespace) -> None:
         raise LfrError("--sort score needs --findings, by which episodes are scored")
     if arguments.findings is not None and arguments.side_by_side is not None:
         raise LfrError("--findings are shown of one episode at a time, not side by side")
+    if arguments.policy is not None and arguments.side_by_side is not None:
+        raise LfrError("--policy is shown of one episode at a time, not side by side")
     if arguments.save is not None and arguments.save.suffix != ".rrd":
         raise LfrError(f"--save writes rerun recordings: found {arguments.save}, "
                        "expected a name in .rrd")  # fmt: skip

@@ -61,6 +61,7 @@ class Wanted:
         seed: start of a policy's episode; None is a held-out one.
         mapping: folder of a transfer's G and F, for the skill view.
         skills: folder of all skill models; None is that beside the folder of all mappings.
+        policy: folder of a policy whose actions are shown beside the recorded ones.
         at: s; the viewer stands there instead of playing.
         findings: of a dataset's episodes, shown with them.
     """
@@ -69,6 +70,7 @@ class Wanted:
     seed: int | None = None
     mapping: Path | None = None
     skills: Path | None = None
+    policy: Path | None = None
     at: float | None = None
     findings: Findings | None = None
 
@@ -83,8 +85,11 @@ def recordings(path: Path, folder: Path, wanted: Wanted) -> Shown:
     collection = collection_of(path)
     if collection is not None:
         return _episodes(with_findings(collection, wanted.findings), path, folder, wanted)
-    if wanted.mapping is not None:
-        raise LfrError(f"--mapping shows demonstrations: found {path}, expected a dataset or logs")
+    for option, value in (("--mapping", wanted.mapping), ("--policy", wanted.policy)):
+        if value is not None:
+            raise LfrError(
+                f"{option} shows demonstrations: found {path}, expected a dataset or logs"
+            )
     if wanted.selection is not None:
         raise LfrError(f"{path} has no episodes to choose from; expected a dataset or logs")
     if path.is_file():
@@ -155,6 +160,10 @@ def make_episodes(
     if wanted.mapping is not None:
         episode, _ = collection.read(numbers[0])
         overlay = _skills(wanted.mapping, wanted.skills, episode.task)
+    if wanted.policy is not None:
+        from lfr.view.open_loop import policy_overlay
+
+        overlay = policy_overlay(wanted.policy, overlay)
     if wanted.findings is not None:
         from lfr.view.findings import findings_overlay
 

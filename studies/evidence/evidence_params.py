@@ -11,7 +11,8 @@ from lfr.artifacts import as_json
 from lfr.demos.recorder import RecordParams
 from lfr.errors import UnknownNameError
 from lfr.mapping.mapping_params import MappingParams
-from lfr.params import from_mapping, read_section, read_yaml
+from lfr.params import read_section, read_yaml
+from lfr.records import from_mapping
 from lfr.scenarios import Scenario, Transfer, scenarios, transfers_of
 from lfr.skills.skill_params import SkillsParams
 from lfr.transfer.transfer_params import TransferParams

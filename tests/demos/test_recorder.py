@@ -17,7 +17,7 @@ from lfr.demos import recorder
 from lfr.demos.attempt import Moment
 from lfr.demos.recorder import CameraParams, RecordParams, record_demonstrations
 from lfr.errors import LfrError, ParameterError
-from lfr.params import from_mapping
+from lfr.records import from_mapping
 from lfr.sim.camera import camera_available
 from lfr.sim.simulation import Simulation
 

@@ -15,6 +15,8 @@ from typing import Any
 import numpy as np
 from lerobot.datasets import LeRobotDataset
 
+from tests import tiny_project
+
 FPS, LENGTH, STEP = 10, 24, 0.05  # m in one control step at full speed
 QUADRANTS = {"push it": (1, 1), "pull it": (-1, 1), "park it": (1, -1)}
 
@@ -60,6 +62,27 @@ external:
     plane: {common: [push, pull], arms: [crane, puck], new: {puck: park}}
   transfers: [plane-puck-park]
 """
+
+SIZES = """
+skills:
+  vae: {horizon: 5, execute: 3, latent_dim: 6, hidden: 32, steps: 800, batch: 64}
+  prior: {hidden: 64, layers: 3, steps: 800, batch: 64}
+  held_out: 0.25
+mapping:
+  {hidden: 64, steps: 1500, batch: 64, posterior_share: 0.25, condition: state, hand: {weight: 9}}
+"""
+
+
+def params(text: str = EXTERNAL) -> str:
+    """The tiny parameters with these arms and networks that can learn something."""
+    tiny = tiny_project.ROOT.joinpath("tests/tiny_params.yaml").read_text()
+    kept, skip = [], False
+    for line in tiny.splitlines(keepends=True):
+        if not line.startswith((" ", "#")):
+            skip = line.split(":")[0] in ("external", "skills", "mapping")
+        if not skip:
+            kept.append(line)
+    return "".join(kept) + SIZES + text
 
 
 def write_both(folder: Path, episodes: int = 8) -> None:

@@ -2,49 +2,35 @@
 
 from __future__ import annotations
 
+import json
+import re
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from lfr.artifacts import read_json
+from lfr.data.external import read_external
+from lfr.data.windows import Windows
 from lfr.errors import LfrError
-from lfr.external import external
+from lfr.external import ExternalArm, external
 from lfr.hub.model_card import model_card
 from lfr.hub.model_facts import read_models
 from lfr.mapping.saved_generators import load_generator, load_mapping_seen
 from lfr.scenarios import scenario, transfer
 from lfr.skills.compatible import check_arms
 from lfr.skills.saved_models import load_prior, load_seen, load_vae
-from lfr.skills.skill_policy import SkillPolicy
+from lfr.skills.skill_policy import SkillPolicy, untranslated
+from tests.view import rrd
 
 from .. import tiny_project
 from . import made_up
 
 NAME = "plane-puck-park"
 SOURCE, TARGET = "crane/park+pull+push", "puck/pull+push"
-SIZES = """
-skills:
-  vae: {horizon: 5, execute: 3, latent_dim: 6, hidden: 32, steps: 800, batch: 64}
-  prior: {hidden: 64, layers: 3, steps: 800, batch: 64}
-  held_out: 0.25
-mapping:
-  {hidden: 64, steps: 1500, batch: 64, posterior_share: 0.25, condition: state, hand: {weight: 9}}
-"""
-
-
-def params(text: str = made_up.EXTERNAL) -> str:
-    """The tiny parameters with these arms and networks that can learn something."""
-    tiny = tiny_project.ROOT.joinpath("tests/tiny_params.yaml").read_text()
-    kept, skip = [], False
-    for line in tiny.splitlines(keepends=True):
-        if not line.startswith((" ", "#")):
-            skip = line.split(":")[0] in ("external", "skills", "mapping")
-        if not skip:
-            kept.append(line)
-    return "".join(kept) + SIZES + text
 
 
 @pytest.fixture(scope="module")
@@ -52,8 +38,9 @@ def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder after both stages, each a process that cannot import a simulator."""
     folder = tmp_path_factory.mktemp("theirs")
     made_up.write_both(folder / "data/external", episodes=12)
-    (folder / "params.yaml").write_text(params())
-    for stage, key in (("skills", "crane"), ("skills", "puck"), ("mapping", NAME)):
+    (folder / "params.yaml").write_text(made_up.params())
+    stages = (("skills", "crane"), ("skills", "puck"), ("mapping", NAME), ("open_loop", NAME))
+    for stage, key in stages:
         option = "robot" if stage == "skills" else "transfer"
         code = (
             "import sys; sys.modules.update(mujoco=None, robosuite=None, numba=None)\n"
@@ -117,6 +104,89 @@ def test_a_mapped_skill_does_on_the_target_what_the_source_would_do(project: Pat
         assert np.mean(cosines) > 0.9
 
 
+def test_the_open_loop_report_says_how_far_to_trust_it(project: Path) -> None:
+    """Its errors are those computed by hand, and it knows where the common tasks never were."""
+    folder = project / "results/external" / NAME
+    report = read_json(folder / "report.json")
+    skills = project / "models/external-skills"
+    arm = puck(project)
+    vae = load_vae(skills / TARGET / "vae")
+    for task, found in report["common"].items():
+        _, held_out = read_external(arm, task).split(0.25, 0)
+        own = SkillPolicy(load_prior(skills / TARGET / f"prior-{task}"), untranslated, vae)
+        windows = Windows(held_out, 5, padded=False).all()
+        answers = np.stack([own.act(one) for one in windows.observations.numpy()])  # (N, 3, A)
+        errors = np.sqrt(np.square(answers - windows.actions[:, :3].numpy()).mean((0, 1)))
+        np.testing.assert_allclose(found["errors"]["own prior"], errors, rtol=1e-4)
+        assert set(found["errors"]) == {"mapped", "own prior", "mean action"}  # 3 numbers, and 4
+        mapped, mean = (np.linalg.norm(found["errors"][of]) for of in ("mapped", "mean action"))
+        assert mapped < 0.7 * mean
+        assert found["round_trip"] < 0.3
+    assert report["new"]["states_beyond"] > 0.9  # the puck was never shown to go down
+    assert set(report["new"]["dimensions_beyond"]) == {"goal_pos.y", "hand_pos.y"}
+    page = (folder / "report.md").read_text()
+    assert "**park**: 100% of its states lie beyond" in page
+    for picture in re.findall(r"!\[.*?\]\((.*?)\)", page):
+        assert (folder / picture).read_text().startswith("<?xml")
+
+
+def puck(project: Path) -> ExternalArm:
+    """The arm, with the folders of its datasets in the project."""
+    arm = external(project / "params.yaml").arms["puck"]
+    tasks = {
+        name: replace(task, path=project / (task.path or "")) for name, task in arm.tasks.items()
+    }
+    return replace(arm, tasks=tasks)
+
+
+def test_the_mapping_becomes_a_policy_that_acts_in_lerobot(project: Path, tmp_path: Path) -> None:
+    """In a process that knows no params.yaml: on the puck's own rows, and in LeRobot's rollout."""
+    out = tmp_path / "puck-park"
+    told = lfr(project, "export", f"models/mapping/{NAME}", str(out))
+    assert "puck can be asked to park; nobody has seen it do so" in told.stdout, told.stderr
+    assert "sees observation.state, 4 numbers" in told.stdout
+    dataset = project / "data/external/puck-pull"
+    script = Path(__file__).with_name("rollout_as_lerobot.py")
+    ran = subprocess.run(
+        [sys.executable, str(script), str(out), str(dataset), "1"], cwd=tmp_path,
+        env=tiny_project.ENVIRONMENT, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert ran.returncode == 0, ran.stderr
+    found = json.loads(ran.stdout.splitlines()[-1])
+    assert "lfr.params" not in found["modules"]
+
+    skills, mapping = project / "models/external-skills", project / "models/mapping" / NAME
+    decoder = load_vae(skills / TARGET / "vae")
+    policy = SkillPolicy(
+        load_prior(skills / SOURCE / "prior-park"), load_generator(mapping / "g").at, decoder
+    )
+
+    def by_hand(seen: np.ndarray) -> np.ndarray:
+        skills = [policy.act(one) for one in seen[:: decoder.execute]]
+        return np.float32(np.concatenate(skills)[: len(seen)])
+
+    rows = read_external(puck(project), "pull").select([1])
+    expected = by_hand(rows.observations.numpy())
+    np.testing.assert_array_equal(np.float32(found["actions"]), expected)
+    shown = tmp_path / "shown.rrd"
+    told = lfr(project, "view", "data/external/puck-pull", "--episode", "1", "--policy", str(out),
+               "--save", str(shown))  # fmt: skip
+    assert told.returncode == 0, told.stderr
+    beside = rrd.rows(shown, "/action/action/policy", "Scalars:scalars")
+    np.testing.assert_array_equal(np.float32(list(beside)), expected)
+    for episode in found["episodes"]:
+        seen, actions = (np.float32(episode[of]) for of in ("seen", "actions"))
+        assert len(seen) == len(actions) + 1 > 2 * decoder.execute
+        np.testing.assert_array_equal(actions, by_hand(seen[:-1]))
+
+
+def lfr(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        ["lfr", *arguments], cwd=folder, env=tiny_project.ENVIRONMENT, capture_output=True,
+        text=True, check=False,
+    )  # fmt: skip
+
+
 def test_cards_claim_no_simulation(project: Path) -> None:
     for stage, name, words in (("skills", "crane", "vae"), ("mapping", NAME, "generator")):
         place = "external-skills" if stage == "skills" else stage
@@ -147,7 +217,7 @@ def test_arms_that_observe_different_things_are_refused_before_training(
     for (old, new), message in changes.values():
         changed = tmp_path / "params.yaml"
         assert old in made_up.EXTERNAL
-        changed.write_text(params(made_up.EXTERNAL.replace(old, new, 1)))
+        changed.write_text(made_up.params(made_up.EXTERNAL.replace(old, new, 1)))
         with pytest.raises(LfrError, match=message):
             check_arms(scenario("plane", changed), external(changed).arms)
 
@@ -172,14 +242,14 @@ def test_a_scenario_of_external_arms_that_cannot_be(
 ) -> None:
     path = tmp_path / "params.yaml"
     assert old in made_up.EXTERNAL
-    path.write_text(params(made_up.EXTERNAL.replace(old, new)))
+    path.write_text(made_up.params(made_up.EXTERNAL.replace(old, new)))
     with pytest.raises(LfrError, match=message):
         transfer(NAME, path)
 
 
 def test_dvc_runs_them_and_nothing_else(project: Path, tmp_path: Path) -> None:
     """The stages of these arms ask for no demonstration of the simulated ones."""
-    folder = tiny_project.make(tmp_path / "project", params())
+    folder = tiny_project.make(tmp_path / "project", made_up.params())
     for name in ("data", "results", "models", "work"):
         if (project / name).exists():
             (folder / name).symlink_to(project / name)

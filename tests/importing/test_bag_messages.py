@@ -24,7 +24,7 @@ from lfr.importing.bag.mapping import BagMapping
 from lfr.importing.bag.pictures import picture
 from lfr.importing.bag.reading import read_messages
 from lfr.importing.bag.values import number_paths, numbers
-from lfr.params import from_mapping
+from lfr.records import from_mapping
 
 from . import ros2
 from .ros2 import DEFINITIONS, Said

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 import torch
 
-from lfr.lerobot_plugin.export import export_policy
+from lfr.lerobot_plugin.export import Exported, export_policy
 from lfr.mapping.generator import Generator
 from lfr.skills.prior import SkillPrior
 from lfr.skills.vae import SkillVAE
@@ -34,5 +34,5 @@ def saved(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="package")
 def exported(saved: Path) -> Path:
     folder = saved.parent / "exported"
-    assert export_policy(saved, folder) == ("panda", "lift")
+    assert export_policy(saved, folder) == Exported("panda", "lift")
     return folder

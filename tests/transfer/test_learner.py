@@ -10,7 +10,7 @@ from torch.distributions import Normal
 from torch.distributions.kl import kl_divergence
 
 from lfr.errors import ParameterError
-from lfr.params import from_mapping
+from lfr.records import from_mapping
 from lfr.transfer.distribution import GAUSSIAN, SQUASHED, tempered
 from lfr.transfer.learner import Learner
 from lfr.transfer.replay import Batch

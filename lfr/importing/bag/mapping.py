@@ -10,7 +10,8 @@ from typing import Literal
 from lfr.data.episode import ACTION, IMAGES
 from lfr.errors import ParameterError
 from lfr.importing.bag.values import steps
-from lfr.params import from_mapping, read_yaml
+from lfr.params import read_yaml
+from lfr.records import from_mapping
 
 Method = Literal["nearest", "previous", "hold"]
 Clock = Literal["header", "log", "publish"]
