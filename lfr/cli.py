@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import difflib
 import sys
 from collections.abc import Sequence
 from importlib import import_module
@@ -28,11 +29,24 @@ COMMANDS = {
     "export": ("write a trained policy for LeRobot's own scripts", "lfr.lerobot_plugin.export"),
 }
 
+JOURNEY = """\
+from datasets to a policy:
+  look      lfr view lerobot/pusht            any LeRobot dataset, log or run, in rerun
+  trust     lfr verify DATASET                what is wrong with it, and where
+  bring     lfr columns DATASET               what params.yaml is to say of your arm
+  train     dvc repro open-loop@TRANSFER      skills, the mapping, and how far to trust it
+  act       lfr export models/mapping/TRANSFER POLICY
+  publish   lfr publish --help
+"""
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run ``lfr`` with the given arguments (default: the command line's); return the exit code."""
     arguments = list(sys.argv[1:] if arguments is None else arguments)
-    parser = argparse.ArgumentParser(prog="lfr", description="Learn from Robot")
+    parser = argparse.ArgumentParser(
+        prog="lfr", description="Learn from Robot", epilog=JOURNEY,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )  # fmt: skip
     parser.add_argument("--version", action="version", version=f"lfr {__version__}")
     commands = parser.add_subparsers(metavar="command", required=True)
     for name, (purpose, module) in COMMANDS.items():
@@ -41,5 +55,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
             implementation = import_module(module)
             implementation.add_arguments(command)
             command.set_defaults(run=implementation.run)
+    if not arguments:
+        parser.print_help()
+        return 0
+    if arguments[0] not in COMMANDS and not arguments[0].startswith("-"):
+        parser.error(_unknown(arguments[0]))
     options = parser.parse_args(arguments)
     return run_program(lambda: options.run(options))
+
+
+def _unknown(command: str) -> str:
+    near = difflib.get_close_matches(command, COMMANDS, n=1)
+    if near:
+        return f"unknown command '{command}'; did you mean '{near[0]}'?"
+    return f"unknown command '{command}'; there are {', '.join(COMMANDS)}"

@@ -35,11 +35,21 @@ except SystemExit:
     assert not [name for name in HEAVY if f"'{name}'" in loaded]
 
 
-@pytest.mark.parametrize("arguments", [[], ["veiw"]])
-def test_no_such_command(tmp_path: Path, arguments: list[str]) -> None:
-    done = lfr(*arguments, folder=tmp_path)
+def test_alone_it_says_where_to_begin(tmp_path: Path) -> None:
+    done = lfr(folder=tmp_path)
+    assert done.returncode == 0
+    assert "lfr verify DATASET" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("command", "said"),
+    [("veiw", "did you mean 'view'?"), ("verfy", "did you mean 'verify'?"), ("x", "there are imp")],
+)
+def test_no_such_command(tmp_path: Path, command: str, said: str) -> None:
+    done = lfr(command, folder=tmp_path)
     assert done.returncode == 2
-    assert "Traceback" not in done.stderr
+    assert done.stderr.splitlines()[-1].startswith(f"lfr: error: unknown command '{command}'; ")
+    assert said in done.stderr
     assert list(tmp_path.iterdir()) == []
 
 

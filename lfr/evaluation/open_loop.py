@@ -22,12 +22,14 @@ from lfr.mapping.map_quality import common_report, new_task_report
 from lfr.mapping.mapping_jobs import MappingJob, read_as
 from lfr.mapping.mapping_training import CommonTask
 from lfr.mapping.saved_generators import load_generator
+from lfr.scenarios import Role
 from lfr.skills.demonstrations import Demonstrations, dataset_of
 from lfr.skills.prior import SkillPrior
 from lfr.skills.saved_models import load_prior, load_vae
 from lfr.skills.skill_policy import SkillPolicy, untranslated
 
 MAPPED, OWN, IDENTITY, MEAN = "mapped", "own prior", "identity", "mean action"
+ROLES: tuple[Role, Role] = ("source", "target")
 MOST = 4000  # states of a set that others are compared with
 QUANTILE = 0.99  # of states that are known to be alike
 
@@ -77,17 +79,17 @@ def open_loop(job: MappingJob) -> tuple[dict[str, Any], list[Episode], States]:
     g = load_generator(Path(job.folder) / "g")
     common, episodes = {}, []
     for task in transfer.common:
-        priors = tuple(load_prior(job.skills[role].prior(task)) for role in ("source", "target"))
+        prior_x, prior_y = (load_prior(job.skills[role].prior(task)) for role in ROLES)
         shown = target[task]
-        policies = _policies(job, *priors)
+        policies = _policies(job, prior_x, prior_y)
         both = torch.cat([source[task].held_out_states, shown.held_out_states])
-        cycle = common_report(CommonTask(*priors, both), g, f)
+        cycle = common_report(CommonTask(prior_x, prior_y, both), g, f)
         common[task] = {
             "errors": action_errors(policies, shown),
             "spread": _spread(shown),
             "states_beyond": beyond(
                 shown.held_out_states, source[task].training_states, source[task].held_out_states,
-                priors[0],
+                prior_x,
             ),
             "round_trip": cycle["cycle_x"] / cycle["spread_x"],
         }  # fmt: skip
@@ -165,7 +167,7 @@ def dimensions_beyond(
 
 
 def _policies(job: MappingJob, prior_x: SkillPrior, prior_y: SkillPrior) -> dict[str, SkillPolicy]:
-    vae_x, vae_y = (load_vae(job.skills[role].vae()) for role in ("source", "target"))
+    vae_x, vae_y = (load_vae(job.skills[role].vae()) for role in ROLES)
     g = load_generator(Path(job.folder) / "g")
     found = {
         MAPPED: SkillPolicy(prior_x, g.at, vae_y),

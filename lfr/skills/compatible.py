@@ -5,12 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 from itertools import zip_longest
 
+import numpy as np
+from numpy.typing import NDArray
+
+from lfr.artifacts import read_json
 from lfr.data.episode import FPS
 from lfr.data.external import selected
 from lfr.errors import DataError
 from lfr.external import ExternalArm
 from lfr.scenarios import Scenario, transfers_of
+from lfr.spaces import space
 from lfr.tasks import TASKS
+
+APART = 30.0  # times as wide: a radian is 57 degrees, a metre 1000 millimetres
 
 
 def check_arms(scenario: Scenario, arms: Mapping[str, ExternalArm]) -> None:
@@ -23,8 +30,8 @@ def check_arms(scenario: Scenario, arms: Mapping[str, ExternalArm]) -> None:
         arms: the external ones, by name.
 
     Raises:
-        DataError: an observation differs, or the rate of the control steps; or a dataset lacks a
-            column that the mapping names.
+        DataError: an observation differs, or its range so much that it is in another unit, or the
+            rate of the control steps; or a dataset lacks a column that the mapping names.
     """
     if not arms:
         return
@@ -38,8 +45,47 @@ def check_arms(scenario: Scenario, arms: Mapping[str, ExternalArm]) -> None:
         )  # fmt: skip
     for task in scenario.common:
         _compare(task, first, second, *(_names(robot, task, arms) for robot in (first, second)))
+        if first in arms and second in arms:
+            _compare_ranges(task, first, second, arms)
     for transfer in transfers_of(scenario):  # the new task's columns, before anything is trained
         _names(transfer.source, transfer.task, arms)
+
+
+def _compare_ranges(task: str, first: str, second: str, arms: Mapping[str, ExternalArm]) -> None:
+    expected, found = (_ranges(arms[robot], task) for robot in (first, second))
+    if expected is None or found is None:
+        return
+    names = _names(first, task, arms)
+    for name, quantity, wanted, given in zip(
+        names, space(names).each(), expected, found, strict=True
+    ):
+        widths = sorted(float(high - low) for low, high in (wanted, given))
+        if widths[0] > quantity.std_floor and widths[1] > APART * widths[0]:
+            raise DataError(
+                f"{second} and {first} observe {name} in different units, or scenes that have "
+                f"nothing in common; give its column the right 'unit'",
+                file="params.yaml", column=f"external.arms, observation, {name} of {task}",
+                found=_shown(given), expected=f"about {_shown(wanted)}",
+            )  # fmt: skip
+
+
+def _ranges(arm: ExternalArm, task: str) -> NDArray[np.float64] | None:
+    """Least and most (D, 2) of each dimension observed, by the dataset's own statistics."""
+    file = arm.dataset(task) / "meta" / "stats.json"
+    if not file.is_file():
+        return None
+    stats, found = read_json(file), []
+    for part in selected(arm, task).observation:
+        known = stats.get(part.column, {})
+        if not {"min", "max"} <= set(known):
+            return None
+        bounds = np.array([known["min"], known["max"]], np.float64)
+        found.append(bounds[:, part.places].T / part.unit)
+    return np.concatenate(found)
+
+
+def _shown(bounds: NDArray[np.float64]) -> str:
+    return f"{bounds[0]:.4g} to {bounds[1]:.4g}"
 
 
 def _names(robot: str, task: str, arms: Mapping[str, ExternalArm]) -> tuple[str, ...]:

@@ -11,6 +11,7 @@ led. A policy that carries out several actions at a time sees no more than it wo
 from __future__ import annotations
 
 import io
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -115,7 +116,7 @@ def _column(episode: Episode, key: str, folder: Path) -> Any:
 class _Pictures:
     """A camera's frames, decoded as they are asked for."""
 
-    def __init__(self, files: list[bytes]) -> None:
+    def __init__(self, files: Sequence[bytes]) -> None:
         self._files = files
 
     def __getitem__(self, frame: int) -> NDArray[np.float32]:

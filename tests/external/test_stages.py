@@ -211,6 +211,10 @@ def test_arms_that_observe_different_things_are_refused_before_training(
         "one more": (("dims: [x_mm, y_mm]\n          names: [hand_pos.x, hand_pos.y]",
                       "names: [hand_pos.y, hand_pos.x, number.reach]"),
                      "dimension 0, found hand_pos.x, expected"),
+        "millimetres": (("names: [hand_pos.x, hand_pos.y]\n          unit: 1000",
+                         "names: [hand_pos.x, hand_pos.y]"),
+                        "puck and crane observe hand_pos.x in different units.*hand_pos.x of push, "
+                        r"found -0\.\d+ to 0\.\d+, expected about -\d{3}"),
         "rate": (("puck:\n      fps: 10", "puck:\n      fps: 20"), "another fps.*found 20, expect"),
     }  # fmt: skip
     monkeypatch.chdir(project)
