@@ -21,6 +21,30 @@ SECTION = "external"
 
 
 @dataclass(frozen=True)
+class EnvironmentParams:
+    """A Gymnasium environment in which an arm does a task.
+
+    Its action is the dataset's action as it was recorded.
+
+    Attributes:
+        id: as `gymnasium.make` takes it; ``module:name`` imports the module that registers it.
+        kwargs: that it is made with.
+        observation: column of the dataset -> entry of the environment's observation, with dots
+            where dictionaries are nested; () where the observation itself is the only column.
+        success: entry of ``info`` that is true where the task has succeeded.
+        success_reward: instead, the reward from which on it has.
+        horizon: control steps of an episode; None takes the environment's own.
+    """
+
+    id: str
+    kwargs: dict[str, Any] = field(default_factory=dict)
+    observation: dict[str, str] = field(default_factory=dict)
+    success: str = "is_success"
+    success_reward: float | None = None
+    horizon: int | None = None
+
+
+@dataclass(frozen=True)
 class ExternalTask:
     """An arm's demonstrations of one task.
 
@@ -46,6 +70,7 @@ class ExternalArm:
         action: the action.
         path: the dataset, for tasks that name none of their own.
         robot_type: what every dataset must say of its robot; None takes any.
+        environments: task -> where the arm can do it, also one that it has no dataset of.
         cartesian: actions and observations are named and scaled as this project's own
             (docs/data.md), so demonstrations of turned, mirrored and shifted scenes count too.
     """
@@ -56,6 +81,7 @@ class ExternalArm:
     action: ActionPart = field(default_factory=ActionPart)
     path: Path | None = None
     robot_type: str | None = None
+    environments: dict[str, EnvironmentParams] = field(default_factory=dict)
     cartesian: bool = False
 
     def __post_init__(self) -> None:
@@ -92,11 +118,13 @@ class External:
         arms: by name.
         scenarios: as section ``scenarios``, of these arms; `lfr.scenarios` reads them.
         transfers: those whose skill models and mapping the pipeline trains.
+        learned: of these, those that are learned in the target's environment.
     """
 
     arms: dict[str, ExternalArm] = field(default_factory=dict)
     scenarios: dict[str, Any] = field(default_factory=dict)
     transfers: tuple[str, ...] = ()
+    learned: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         taken = sorted(filter(is_known, self.arms))

@@ -7,8 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from lfr.errors import ParameterError
+from lfr.external import ExternalArm
+from lfr.external_simulation import ExternalTarget, external_target
+from lfr.params import PARAMS
 from lfr.scenarios import Role, Transfer
 from lfr.skills.library import RoleModels
+from lfr.skills.saved_models import load_prior
 from lfr.transfer.log import LearningLog
 from lfr.transfer.methods import initialize
 from lfr.transfer.methods.initialization import TrainedModels
@@ -26,6 +31,7 @@ class RunJob:
             course (`lfr.transfer.log`); ``checkpoints`` while it learns.
         skills: the transfer's skill models.
         mapping: folder of its G and F.
+        external: where the target learns, if it is not simulated here.
     """
 
     transfer: Transfer
@@ -35,6 +41,7 @@ class RunJob:
     folder: str
     skills: Mapping[Role, RoleModels]
     mapping: str
+    external: ExternalTarget | None = None
 
 
 def learn(job: RunJob) -> dict[str, Any]:
@@ -51,4 +58,31 @@ def learn(job: RunJob) -> dict[str, Any]:
     return train(
         initialization, robot, task, job.params, job.seed,
         out=folder / "policy", work=folder / "checkpoints", about=about, observer=log,
+        simulate=job.external.simulation if job.external else None,
     )  # fmt: skip
+
+
+def target_environment(
+    transfer: Transfer, skills: Mapping[Role, RoleModels], arms: Mapping[str, ExternalArm]
+) -> ExternalTarget | None:
+    """Where the target does the new task, if it is external; None if it is simulated here.
+
+    Args:
+        arms: the external ones, by name.
+
+    Raises:
+        ParameterError: it is external and names no environment for the task.
+        DataError: it does not see there what the source's prior is to see.
+    """
+    if transfer.target not in arms:
+        return None
+    names = load_prior(skills["source"].prior(transfer.task)).layout_names
+    found = external_target(
+        transfer.target, arms[transfer.target], transfer.task, transfer.common, names
+    )
+    if found is None:
+        raise ParameterError(
+            f"{PARAMS}: external.arms.{transfer.target}.environments: none for {transfer.task}, so "
+            f"{transfer.name} has nowhere to learn; take it out of external.learned"
+        )
+    return found

@@ -7,6 +7,7 @@ from pathlib import Path
 from lfr.evaluation.chain import chain_trials, train_and_measure
 from lfr.evaluation.protocol import EvaluateParams
 from lfr.external import ExternalArm, external_arms
+from lfr.external_simulation import external_target
 from lfr.mapping.mapping_jobs import mapping_job
 from lfr.mapping.mapping_params import MappingParams
 from lfr.params import read_section
@@ -16,6 +17,7 @@ from lfr.scenarios import scenario as scenario_named
 from lfr.scenarios import transfer as transfer_named
 from lfr.skills.demonstrations import dataset_of
 from lfr.skills.library import RoleModels, pipeline_models
+from lfr.skills.saved_models import load_prior
 from lfr.skills.skill_params import SkillsParams
 from pipeline._stage import SeedParams, models_into, rows_of, unfinished_work, write_metrics
 
@@ -23,7 +25,8 @@ from pipeline._stage import SeedParams, models_into, rows_of, unfinished_work, w
 def main(transfer: str) -> None:
     """Train a transfer's mapping into models/mapping/<transfer> and measure its chain.
 
-    The chain is left out where an arm is not simulated.
+    The chain is left out where the target is simulated neither here nor in an environment of its
+    own.
     """
     chosen = transfer_named(transfer)
     scenario = scenario_named(chosen.scenario)
@@ -37,15 +40,20 @@ def main(transfer: str) -> None:
 
     models = work / "models"
     job = mapping_job(scenario, chosen, params, held_out, seed, skills, models, arms=arms)
+    names = load_prior(skills["source"].prior(chosen.task)).layout_names
+    arm = arms.get(chosen.target)
+    external = external_target(chosen.target, arm, chosen.task, chosen.common, names)
     trials = {}
-    if not arms:
+    if not arms or external:
         episodes = read_section(EvaluateParams, "evaluate").episodes
-        trials = chain_trials(chosen, skills, models, episodes)
+        trials = chain_trials(chosen, skills, models, episodes, external)
     report, chain = train_and_measure(job, trials, work, f"mapping {transfer}")
-    if chain:
+    if external:
+        report["zero_shot"] = chain
+    elif chain:
         about = {"source": chosen.source, "target": chosen.target, "task": chosen.task}
-        names = {role: models.name for role, models in skills.items()}
-        write_metrics("chain", transfer, {**about, "skills": names, "zero_shot": chain})
+        of = {role: models.name for role, models in skills.items()}
+        write_metrics("chain", transfer, {**about, "skills": of, "zero_shot": chain})
     models_into(Path("models/mapping") / transfer, models)
     write_metrics("mapping", transfer, report)
 

@@ -25,7 +25,8 @@ def main(robot: str) -> None:
     """Train the skill models of a robot that the transfers of params.yaml need.
 
     They go to models/skills/<robot>, those of an arm that is not simulated to
-    models/external-skills/<robot>, and nothing is said of such priors' success.
+    models/external-skills/<robot>, and of their priors' success nothing is said but of tasks that
+    have an environment.
     """
     arm = external_arms([robot]).get(robot)
     if arm is None:
@@ -44,7 +45,7 @@ def main(robot: str) -> None:
     work = unfinished_work("skills", robot, params, seed, arm, *inputs)
 
     jobs = model_jobs(robot, needed, params, seed, work / "models", arm=arm)
-    episodes = 0 if arm else read_section(EvaluateParams, "evaluate").episodes
+    episodes = read_section(EvaluateParams, "evaluate").episodes
     report = train_and_measure(jobs, episodes, work, f"skills {robot}")
     _gather(jobs, work / "models" / robot, skills_root(robot, [robot] if arm else []) / robot)
     write_metrics("skills", robot, {"robot": robot, "models": report})

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from lfr.artifacts import write_whole
+from lfr.external import external_arms
 from lfr.jobs import Job, run_jobs
 from lfr.params import read_section
 from lfr.program import run_stage
@@ -16,7 +17,7 @@ from lfr.skills.library import pipeline_models
 from lfr.skills.saved_models import load_seen
 from lfr.transfer.methods import method as method_named
 from lfr.transfer.transfer_params import TransferParams
-from pipeline._runs import RunJob, learn
+from pipeline._runs import RunJob, learn, target_environment
 from pipeline._stage import SeedParams, unfinished_work, write_metrics
 
 
@@ -30,14 +31,20 @@ def main(transfer: str, method: str) -> None:
     params = read_section(TransferParams, "transfer")
     seeds = read_section(SeedParams, "seeds").transfer
     name = f"{transfer}-{method}"
-    skills = pipeline_models(scenario_named(chosen.scenario), chosen)
+    scenario = scenario_named(chosen.scenario)
+    arms = external_arms(scenario.robots)
+    skills = pipeline_models(scenario, chosen, arms)
+    external = target_environment(chosen, skills, arms)
     source, target, mapping = skills["source"], skills["target"], Path("models/mapping") / transfer
     models = source.vae(), source.prior(chosen.task), target.vae(), mapping
-    work = unfinished_work("transfer", name, chosen, params, *models)
+    work = unfinished_work("transfer", name, chosen, params, external, *models)
 
     folders = {seed: work / f"seed-{seed}" for seed in seeds}
     jobs = [
-        Job(learn, RunJob(chosen, method, seed, params, str(folder), skills, str(mapping)))
+        Job(
+            learn,
+            RunJob(chosen, method, seed, params, str(folder), skills, str(mapping), external),
+        )
         for seed, folder in folders.items()
     ]
     done = run_jobs(jobs, work=work, description=f"transfer {name}", unit="run")

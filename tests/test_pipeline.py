@@ -61,7 +61,8 @@ def test_every_stage_depends_on_all_the_code_it_runs(
 ) -> None:
     theirs = tiny_project.make(tmp_path / "theirs", made_up.params())
     of_theirs = {"external-skills@crane", "external-mapping@plane-puck-park",
-                 "open-loop@plane-puck-park"}  # fmt: skip
+                 "open-loop@plane-puck-park", "external-transfer@plane-puck-park-lfr",
+                 "external-evaluate@plane-puck-park-lfr"}  # fmt: skip
     found = stages_of(ROOT) | {
         name: stage for name, stage in stages_of(theirs).items() if name in of_theirs
     }

@@ -15,7 +15,8 @@ Every link is zero-shot success on the transfer's new task, over the same held-o
 Where the two arms' actions are different things, such as motions of their joints, identity has the
 target carry them out all the same, joint by joint; elsewhere retargeting would be the identity. The
 first and the last are what a prior does on its own arm (`lfr.evaluation.own_arm`), which the skills
-stage measures; `lfr.evaluation.records.chain_records` puts the chain together.
+stage measures; `lfr.evaluation.records.chain_records` puts the chain together. Of an arm that is
+known by its datasets there is no kinematic model, so nothing is retargeted to it.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from pathlib import Path
 from typing import Any
 
 from lfr.evaluation.trials import Trial, success_rate, trial_jobs
+from lfr.external_simulation import ExternalTarget
 from lfr.jobs import Job, run_jobs
 from lfr.mapping.mapped_policy import MappedFiles
 from lfr.mapping.mapping_jobs import MappingJob, fit_mapping
@@ -37,13 +39,18 @@ from lfr.skills.skill_policy import SkillFiles, UntranslatedFiles
 
 
 def chain_trials(
-    transfer: Transfer, skills: Mapping[Role, RoleModels], mapping: Path, episodes: int
+    transfer: Transfer,
+    skills: Mapping[Role, RoleModels],
+    mapping: Path,
+    episodes: int,
+    external: ExternalTarget | None = None,
 ) -> dict[str, Trial]:
     """The links of a transfer's chain that lead from one arm to the other.
 
     Args:
         skills: the transfer's skill models.
         mapping: folder of its G and F.
+        external: the target's environment, where it is not simulated here.
 
     Raises:
         DataError: a skill model is missing or damaged.
@@ -53,18 +60,22 @@ def chain_trials(
     prior, vae, target_vae = map(str, (source.prior(task), source.vae(), skills["target"].vae()))
     alike = same_actions(skills)
     policies: dict[str, PolicySource] = {
-        "identity": SkillFiles(prior, vae) if alike else UntranslatedFiles(prior, vae),
+        "identity": SkillFiles(prior, vae) if alike else UntranslatedFiles(prior, vae, target_vae),
         "no_generator": SkillFiles(prior, target_vae),
     }
+    modelled = external is None
     if alike:
         policies["recoded"] = SkillFiles(prior, target_vae, encoder=vae)
-    else:
+    elif modelled:
         policies["recoded"] = RetargetFiles(prior, vae, encoder=target_vae)
     policies["linear"] = MappedFiles(prior, str(mapping / "linear"), target_vae)
     policies["mapped"] = MappedFiles(prior, str(mapping / "g"), target_vae)
-    if not alike:
+    if modelled and not alike:
         policies["retarget"] = RetargetFiles(prior, vae)
-    return {name: Trial(files, transfer.target, task, episodes) for name, files in policies.items()}
+    return {
+        name: Trial(files, transfer.target, task, episodes, external=external)
+        for name, files in policies.items()
+    }
 
 
 def train_and_measure(

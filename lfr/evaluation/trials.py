@@ -13,17 +13,22 @@ import numpy as np
 
 from lfr.errors import UnknownNameError
 from lfr.evaluation.success_rate import success_of
+from lfr.external_simulation import ExternalTarget
 from lfr.jobs import Job, run_jobs
 from lfr.policies import Outcome, PolicySource, Simulated, roll_out
 from lfr.seeds import episode_seed
 
-JudgeName = Literal["engine", "robosuite"]
+JudgeName = Literal["engine", "robosuite", "environment"]
 SHARD = 25  # episodes of a job: seconds of work, so that a kill costs little
 
 
 @dataclass(frozen=True)
 class Trial:
-    """A policy on one arm and task, over the held-out starts ``first`` to ``first + episodes``."""
+    """A policy on one arm and task, over the held-out starts ``first`` to ``first + episodes``.
+
+    Attributes:
+        external: the environment of an arm that is not simulated here, which is the judge then.
+    """
 
     policy: PolicySource
     robot: str
@@ -31,6 +36,7 @@ class Trial:
     episodes: int
     judge: JudgeName = "engine"
     first: int = 0
+    external: ExternalTarget | None = None
 
 
 def success_rates(
@@ -81,6 +87,8 @@ def run_trial(trial: Trial) -> list[Outcome]:
     end = trial.first + trial.episodes
     seeds = [episode_seed("held-out", index) for index in range(trial.first, end)]
     policy = trial.policy.load(trial.robot)
+    if trial.external is not None:
+        return roll_out(policy, trial.external.simulation(), seeds)
     return roll_out(policy, judge_named(trial.judge, trial.robot, trial.task), seeds)
 
 

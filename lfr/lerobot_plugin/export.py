@@ -12,7 +12,7 @@ from lfr.artifacts import write_whole
 from lfr.errors import DataError
 
 if TYPE_CHECKING:
-    from lfr.lerobot_plugin.mapped import OwnColumns
+    from lfr.data.own_columns import OwnColumns
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

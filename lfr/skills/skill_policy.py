@@ -10,7 +10,6 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from lfr.embodiments import embodiment
 from lfr.skills.resized import resized_vae
 from lfr.skills.saved_models import check_actions, load_prior, load_vae
 from lfr.skills.vae import SkillVAE
@@ -93,12 +92,17 @@ class UntranslatedFiles:
     """A source's skill prior and skill VAE, for an arm to which its actions mean something else.
 
     They are carried out as they are, joint by joint (`lfr.skills.resized`).
+
+    Attributes:
+        target: folder of the target's own skill VAE, which says how many actions it has.
     """
 
     prior: str
     decoder: str
+    target: str
 
     def load(self, robot: str) -> SkillPolicy:
         """Raises DataError where a folder holds no such model, or a damaged one."""
-        decoder = resized_vae(load_vae(Path(self.decoder)), embodiment(robot).action.size)
+        size = load_vae(Path(self.target)).action_dim
+        decoder = resized_vae(load_vae(Path(self.decoder)), size)
         return SkillPolicy(load_prior(Path(self.prior)), untranslated, decoder)

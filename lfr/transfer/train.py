@@ -73,9 +73,7 @@ def train(
         UnknownNameError: unknown robot or task.
         DataError: the source's prior was trained on another state layout.
     """
-    from lfr.sim.simulation import Simulation
-
-    make = simulate or partial(Simulation, robot, task)
+    make = simulate or partial(_own_simulation, robot, task)
     simulations = [make() for _ in range(params.simulations)]
     names = simulations[0].layout.names
     known = initialization.layout_names
@@ -101,3 +99,9 @@ def train(
         "seconds": loop.seconds,
         "curve": curve,
     }
+
+
+def _own_simulation(robot: str, task: str) -> TaskSimulation:
+    from lfr.sim.simulation import Simulation
+
+    return Simulation(robot, task)

@@ -58,9 +58,18 @@ external:
       tasks:
         push: {path: data/external/puck-push}
         pull: {path: data/external/puck-pull}
+      environments:
+        push:
+          id: tests.external.plane:lfr-test/Plane-v0
+          kwargs: {quadrant: [1, 1]}
+          observation: {observation.state: agent_pos}
+        park:
+          id: tests.external.plane:lfr-test/Plane-v0
+          observation: {observation.state: agent_pos}
   scenarios:
     plane: {common: [push, pull], arms: [crane, puck], new: {puck: park}}
   transfers: [plane-puck-park]
+  learned: [plane-puck-park]
 """
 
 SIZES = """

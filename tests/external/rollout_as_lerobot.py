@@ -3,7 +3,7 @@
     python rollout_as_lerobot.py <policy> <dataset> <episode>
 
 Two questions: the actions for an episode's recorded rows, and LeRobot's own rollout in an
-environment that nobody but this file knows.
+environment that is none of this project's.
 """
 
 import json
@@ -11,8 +11,6 @@ import sys
 from pathlib import Path
 from typing import Any
 
-import gymnasium
-import numpy as np
 import torch
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 from gymnasium.wrappers import TimeLimit
@@ -24,34 +22,7 @@ from lerobot.processor import PolicyProcessorPipeline
 from lerobot.scripts.lerobot_eval import rollout
 from lerobot.utils.import_utils import register_third_party_plugins
 
-FPS, STEP, QUADRANT = 10, 0.05, np.array([1, -1])
-
-
-class Plane(gymnasium.Env):
-    """The puck's: hand and goal in metres; command, speed and heading."""
-
-    metadata = {"render_fps": FPS}  # noqa: RUF012  (Gymnasium's convention)
-    observation_space = gymnasium.spaces.Dict(
-        {"agent_pos": gymnasium.spaces.Box(-2.0, 2.0, (4,), np.float32)}
-    )
-    action_space = gymnasium.spaces.Box(-1.0, 1.0, (4,), np.float32)
-    task_description = "park it"
-    task = "park"
-
-    def reset(self, *, seed: int | None = None, options: Any = None) -> tuple[Any, Any]:
-        super().reset(seed=seed)
-        self.hand = self.np_random.uniform(-0.1, 0.1, 2)
-        self.goal = self.np_random.uniform(0.4, 0.8, 2) * QUADRANT
-        return self._seen(), {}
-
-    def step(self, action: np.ndarray) -> tuple[Any, float, bool, bool, Any]:
-        _, speed, *heading = np.clip(action, -1, 1)
-        self.hand = self.hand + (speed + 1) / 2 * STEP * np.array(heading)
-        there = bool(np.linalg.norm(self.goal - self.hand) < 0.1)
-        return self._seen(), float(there), there, False, {"is_success": there}
-
-    def _seen(self) -> dict[str, np.ndarray]:
-        return {"agent_pos": np.concatenate([self.hand, self.goal]).astype(np.float32)}
+from tests.external.plane import Plane
 
 
 def loaded(folder: Path) -> tuple[Any, Any, Any]:
@@ -80,7 +51,7 @@ def in_environment(folder: Path) -> list[dict[str, Any]]:
     nothing = PolicyProcessorPipeline(steps=[])
     episodes = []
     for seed in (0, 1):
-        make = [lambda: FreezeAfterEpisodeEnd(TimeLimit(Plane(), 40))]
+        make = [lambda: FreezeAfterEpisodeEnd(TimeLimit(Plane(quadrant=(1, -1)), 40))]
         batch = SyncVectorEnv(make, autoreset_mode=AutoresetMode.NEXT_STEP)
         with torch.no_grad():
             found = rollout(

@@ -9,6 +9,7 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
+import gymnasium
 import numpy as np
 import pytest
 
@@ -21,9 +22,12 @@ from lfr.hub.model_card import model_card
 from lfr.hub.model_facts import read_models
 from lfr.mapping.saved_generators import load_generator, load_mapping_seen
 from lfr.scenarios import scenario, transfer
+from lfr.seeds import episode_seed
 from lfr.skills.compatible import check_arms
 from lfr.skills.saved_models import load_prior, load_seen, load_vae
 from lfr.skills.skill_policy import SkillPolicy, untranslated
+from lfr.transfer.model import load_policy
+from tests.external import plane as plane
 from tests.view import rrd
 
 from .. import tiny_project
@@ -35,17 +39,23 @@ SOURCE, TARGET = "crane/park+pull+push", "puck/pull+push"
 
 @pytest.fixture(scope="module")
 def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder after both stages, each a process that cannot import a simulator."""
+    """A folder after all stages, each a process that cannot import this project's simulators."""
     folder = tmp_path_factory.mktemp("theirs")
     made_up.write_both(folder / "data/external", episodes=12)
     (folder / "params.yaml").write_text(made_up.params())
-    stages = (("skills", "crane"), ("skills", "puck"), ("mapping", NAME), ("open_loop", NAME))
-    for stage, key in stages:
-        option = "robot" if stage == "skills" else "transfer"
+    stages = {
+        "skills": ("--robot", "crane"),
+        "skills ": ("--robot", "puck"),
+        "mapping": ("--transfer", NAME),
+        "open_loop": ("--transfer", NAME),
+        "transfer": ("--transfer", NAME, "--method", "lfr"),
+        "evaluate": ("--transfer", NAME, "--method", "lfr"),
+    }
+    for stage, options in stages.items():
         code = (
             "import sys; sys.modules.update(mujoco=None, robosuite=None, numba=None)\n"
             f"from lfr.program import run_stage; from pipeline.{stage} import main\n"
-            f"sys.argv[1:] = ['--{option}', '{key}']; sys.exit(run_stage(main))"
+            f"sys.argv[1:] = {[*options]}; sys.exit(run_stage(main))"
         )
         ran = subprocess.run(
             [sys.executable, "-c", code], cwd=folder, env=tiny_project.ENVIRONMENT,
@@ -79,6 +89,9 @@ def test_the_reports_say_what_can_be_said_without_a_simulator(project: Path) -> 
     (model,) = read_json(project / "results/skills/crane.json")["models"].values()
     assert set(model["held_out"]["push"]["rmse"]) == {"vx", "vy", "hand"}
     assert "own_arm" not in model["prior"]["push"]
+    (model,) = read_json(project / "results/skills/puck.json")["models"].values()
+    assert model["prior"]["push"]["own_arm"]["rate"] == 1.0
+    assert "own_arm" not in model["prior"]["pull"]  # of which it has no environment
     mapping = read_json(project / f"results/mapping/{NAME}.json")
     assert mapping["new"]["park"]["decoded_difference"] == {}  # the actions are different things
     for task in mapping["common"].values():  # G and F have learned more than a constant
@@ -185,6 +198,44 @@ def lfr(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
         ["lfr", *arguments], cwd=folder, env=tiny_project.ENVIRONMENT, capture_output=True,
         text=True, check=False,
     )  # fmt: skip
+
+
+def test_the_chain_is_measured_in_the_targets_environment(project: Path) -> None:
+    """Each start's outcome is that of a loop by hand over the plain environment."""
+    chain = read_json(project / f"results/mapping/{NAME}.json")["zero_shot"]
+    assert list(chain) == ["identity", "no_generator", "linear", "mapped"]
+    skills, mapping = project / "models/external-skills", project / "models/mapping" / NAME
+    decoder = load_vae(skills / TARGET / "vae")
+    policy = SkillPolicy(
+        load_prior(skills / SOURCE / "prior-park"), load_generator(mapping / "g").at, decoder
+    )
+    plane, outcomes = gymnasium.make("lfr-test/Plane-v0"), ""
+    for index in range(4):
+        seen, _ = plane.reset(seed=episode_seed("held-out", index))
+        success = ended = False
+        while not ended:
+            for action in policy.act(seen["agent_pos"]):
+                seen, _, terminated, truncated, info = plane.step(np.float32(action))
+                success, ended = success or info["is_success"], terminated or truncated
+                if ended:
+                    break
+        outcomes += "01"[success]
+    assert chain["mapped"]["outcomes"] == outcomes
+    judged = read_json(project / f"results/evaluate/{NAME}-lfr.json")
+    assert judged["judge"] == "environment"
+    assert judged["runs"][0]["zero_shot"]["outcomes"] == outcomes
+
+
+def test_it_learns_in_the_targets_environment(project: Path) -> None:
+    learned = read_json(project / f"results/transfer/{NAME}-lfr.json")
+    (run,) = learned["runs"]
+    assert run["env_steps"] >= 300
+    assert run["updates"] > 0
+    judged = read_json(project / f"results/evaluate/{NAME}-lfr.json")["runs"][0]
+    assert judged["success"]["environment"]["episodes"] == 4
+    actor, about = load_policy(project / f"models/transfer/{NAME}-lfr/seed-0")
+    assert (about["robot"], about["task"]) == ("puck", "park")
+    assert actor.act(np.zeros(4)).shape == (3, 4)
 
 
 def test_cards_claim_no_simulation(project: Path) -> None:

@@ -14,13 +14,13 @@ from lerobot.processor import (
     transition_to_policy_action,
 )
 
+from lfr.data.own_columns import OwnColumns
 from lfr.data.selection import select
 from lfr.data.tables import DatasetFiles, values
 from lfr.data.windows import read_dataset
 from lfr.errors import LfrError
 from lfr.external import external
 from lfr.lerobot_plugin.columns_processor import SELECTED, PhysicalAction, SelectColumns
-from lfr.lerobot_plugin.mapped import OwnColumns
 from tests.external import made_up
 
 # The crane's: numbers in another order, in millimetres, two columns; an action with bounds, whose

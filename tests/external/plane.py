@@ -1,0 +1,61 @@
+"""The puck's own environment, as somebody might have written it who has never heard of lfr."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+
+FPS, STEP, NEAR = 10, 0.05, 0.1
+BROKEN_AT = 7  # control steps, where it is asked to break
+
+
+class Plane(gymnasium.Env):
+    """Hand and goal in metres; the hand's command, speed and heading.
+
+    Args:
+        quadrant: where the goals lie.
+        breaks: raises an exception in each episode.
+        drifts: does not repeat itself from a seed.
+        box: observes the vector itself, in no dictionary.
+    """
+
+    metadata = {"render_modes": [], "render_fps": FPS}  # noqa: RUF012  (Gymnasium's convention)
+    action_space = gymnasium.spaces.Box(-1.0, 1.0, (4,), np.float32)
+    task_description = "park it"
+    task = "park"
+
+    def __init__(
+        self, quadrant: tuple[int, int] = (1, -1), breaks: bool = False, drifts: bool = False,
+        box: bool = False, success: str = "is_success",
+    ) -> None:  # fmt: skip
+        self.quadrant, self.breaks, self.drifts, self.box = quadrant, breaks, drifts, box
+        self.success = success
+        vector = gymnasium.spaces.Box(-9.0, 9.0, (4,), np.float32)
+        self.observation_space = vector if box else gymnasium.spaces.Dict({"agent_pos": vector})
+
+    def reset(self, *, seed: int | None = None, options: Any = None) -> tuple[Any, Any]:
+        super().reset(seed=seed)
+        self.steps = 0
+        self.hand = self.np_random.uniform(-0.1, 0.1, 2)
+        self.goal = self.np_random.uniform(0.4, 0.8, 2) * self.quadrant
+        if self.drifts:
+            self.hand += np.random.default_rng().uniform(-0.01, 0.01, 2)
+        return self._seen(), {}
+
+    def step(self, action: np.ndarray) -> tuple[Any, float, bool, bool, Any]:
+        self.steps += 1
+        if self.breaks and self.steps == BROKEN_AT:
+            raise RuntimeError("the puck has left the plane")
+        _, speed, *heading = np.clip(action, -1, 1)
+        self.hand = self.hand + (speed + 1) / 2 * STEP * np.array(heading)
+        there = bool(np.linalg.norm(self.goal - self.hand) < NEAR)
+        return self._seen(), float(there), there, False, {self.success: there}
+
+    def _seen(self) -> Any:
+        vector = np.concatenate([self.hand, self.goal]).astype(np.float32)
+        return vector if self.box else {"agent_pos": vector}
+
+
+gymnasium.register("lfr-test/Plane-v0", entry_point=Plane, max_episode_steps=40)

@@ -1,0 +1,180 @@
+"""An environment of somebody's as a simulation, against the environment itself."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+
+from lfr.errors import LfrError
+from lfr.external import EnvironmentParams, external
+from lfr.external_simulation import ExternalSimulation, ExternalTarget, external_target
+from lfr.transfer.environment import RewardRule, RunningEpisode
+from tests.external import made_up
+from tests.external.plane import BROKEN_AT, Plane
+
+PLANE = EnvironmentParams(
+    "tests.external.plane:lfr-test/Plane-v0", observation={"observation.state": "agent_pos"}
+)
+NAMES = ("hand_pos.x", "hand_pos.y", "goal_pos.x", "goal_pos.y")
+ORDERED = made_up.EXTERNAL.replace(  # of the column, and of what models call it, each another
+    "- {column: observation.state, names: [hand_pos.x, hand_pos.y, goal_pos.x, goal_pos.y]}",
+    "- {column: observation.state, dims: [2, 3, 0, 1], unit: 2, "
+    "names: [goal_pos.x, goal_pos.y, hand_pos.x, hand_pos.y]}",
+).replace(
+    "action: {column: action}\n",
+    "action: {column: action, dims: [1, 2, 3, 0], low: -2, high: 2}\n",
+)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("plane")
+    made_up.write_both(folder / "data/external", episodes=2)
+    return folder
+
+
+def target_of(
+    folder: Path, params: EnvironmentParams = PLANE, text: str = made_up.EXTERNAL,
+    names: tuple[str, ...] = NAMES,
+) -> ExternalTarget:  # fmt: skip
+    (folder / "params.yaml").write_text(text)
+    arm = external(folder / "params.yaml").arms["puck"]
+    tasks = {
+        name: replace(task, path=folder / (task.path or "")) for name, task in arm.tasks.items()
+    }
+    arm = replace(arm, environments={"park": params}, tasks=tasks)
+    found = external_target("puck", arm, "park", ("push", "pull"), names)
+    assert found is not None
+    return found
+
+
+def simulation(folder: Path, **changes: Any) -> ExternalSimulation:
+    kwargs = {key: changes.pop(key) for key in list(changes) if key in ("breaks", "drifts", "box")}
+    return target_of(folder, replace(PLANE, kwargs=kwargs, **changes)).simulation()
+
+
+def test_it_is_the_environment_itself(folder: Path) -> None:
+    engine, plain = simulation(folder), gymnasium.make("lfr-test/Plane-v0")
+    assert engine.layout.names == NAMES
+    assert engine.horizon == 40
+    rng = np.random.default_rng(0)
+    for seed in (3, 4):
+        seen, _ = plain.reset(seed=seed)
+        np.testing.assert_array_equal(engine.reset(seed), seen["agent_pos"])
+        actions = rng.uniform(-1, 1, (5, 4))
+        steps = engine.step(actions)
+        for action, observed, reward, success in zip(
+            actions, steps.observations, steps.rewards, steps.successes, strict=True
+        ):
+            seen, expected, _, _, info = plain.step(np.float32(action))
+            np.testing.assert_array_equal(observed, seen["agent_pos"])
+            assert (reward, success) == (expected, info["is_success"])
+
+
+def test_columns_units_and_order_are_the_datasets(folder: Path) -> None:
+    names = (*NAMES[2:], *NAMES[:2])
+    changed = target_of(folder, PLANE, ORDERED, names)
+    changed = replace(changed, params=replace(changed.params, kwargs={"quadrant": (-1, 1)}))
+    with pytest.raises(LfrError, match=r"goes from -2 to 2, the environment's from -1 to 1"):
+        changed.simulation()
+    space = replace(changed.columns.selection.space, low=(-1.0, -1.0, -0.5, -1.0))
+    selection = replace(changed.columns.selection, space=replace(space, high=(1.0, 1.0, 0.5, 1.0)))
+    engine = replace(changed, columns=replace(changed.columns, selection=selection)).simulation()
+    plane = Plane(quadrant=(-1, 1))
+    seen, _ = plane.reset(seed=0)
+    np.testing.assert_allclose(engine.reset(0), np.roll(seen["agent_pos"], 2) / 2, rtol=1e-6)
+    steps = engine.step(np.array([[0.5, 0.25, 0.75, -1.0]]))  # speed, cos, sin, hand
+    seen, *_ = plane.step(np.array([-1.0, 0.5, 0.25, 0.375]))
+    np.testing.assert_allclose(steps.observations[0], np.roll(seen["agent_pos"], 2) / 2, rtol=1e-5)
+
+
+def test_an_episode_that_was_left_goes_on_as_if_it_had_not_been(folder: Path) -> None:
+    actions = np.random.default_rng(1).uniform(-1, 1, (4, 3, 4))
+    rule = RewardRule("sparse", 1.0)
+    whole, left = (RunningEpisode(simulation(folder)) for _ in range(2))
+    for episode in (whole, left):
+        episode.start(5)
+        episode.execute(actions[0], rule)
+    kept = left.suspend()
+    left.start(6)
+    left.execute(actions[1], rule)
+    again = RunningEpisode(simulation(folder))  # of another process
+    for episode in (left, again):
+        episode.restore(*kept)
+    for skill in actions[2:]:
+        expected = whole.execute(skill, rule)
+        for episode in (left, again):
+            found = episode.execute(skill, rule)
+            np.testing.assert_array_equal(found.observation, expected.observation)
+            assert found._replace(observation=0) == expected._replace(observation=0)
+
+
+def test_one_that_does_not_repeat_itself_says_so(
+    folder: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    engine = simulation(folder, drifts=True)
+    engine.reset(0)
+    engine.step(np.zeros((2, 4)))
+    engine.set_state(engine.state())
+    assert "does not repeat itself" in caplog.text
+
+
+def test_a_crash_is_a_failed_episode(folder: Path, caplog: pytest.LogCaptureFixture) -> None:
+    engine = simulation(folder, breaks=True)
+    for seed in (0, 1):
+        engine.reset(seed)
+        steps = engine.step(np.zeros((BROKEN_AT + 3, 4)))
+        assert steps.diverged
+        assert len(steps) == BROKEN_AT - 1
+    assert caplog.text.count("RuntimeError: the puck has left the plane") == 2
+    assert "Traceback" in caplog.text
+
+
+def test_success_ends_it_or_goes_on(folder: Path) -> None:
+    engine, plane = simulation(folder, box=True, observation={}), Plane()
+    engine.reset(2)
+    plane.reset(seed=2)
+    way = plane.goal - plane.hand
+    action = np.array([-1.0, 1.0, *(way / np.linalg.norm(way))])
+    stopped = engine.step(np.tile(action, (40, 1)), stop_on_success=True)
+    assert stopped.successes.tolist() == [False] * (len(stopped) - 1) + [True]
+    assert len(stopped) < 20
+    after = engine.step(np.tile(action, (3, 1)))  # the environment is over; nothing moves
+    np.testing.assert_array_equal(after.observations, np.tile(stopped.observations[-1], (3, 1)))
+    assert not after.rewards.any()
+    assert not after.successes.any()
+    rewarded = simulation(folder, success="", success_reward=1.0)
+    rewarded.reset(2)
+    assert rewarded.step(np.tile(action, (len(stopped), 1))).successes[-1]
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"id": "nobodys_module:Plane-v0"}, "no environment 'nobodys.*ModuleNotFoundError"),
+        ({"id": "lfr-test/Plain-v0"}, "no environment 'lfr-test/Plain-v0'"),
+        ({"kwargs": {"colour": 1}}, "TypeError.*colour"),
+        ({"observation": {}}, "observation.state is None.*which has agent_pos; say which"),
+        ({"observation": {"observation.state": "pos"}}, "is 'pos' of .* which has agent_pos"),
+        ({"success": "done"}, "never says 'done'; its info has is_success; name one"),
+    ],
+)
+def test_what_is_wrong_with_it_is_one_line(
+    folder: Path, changes: dict[str, Any], message: str
+) -> None:
+    target = target_of(folder, replace(PLANE, **changes))
+    with pytest.raises(LfrError, match=message) as error:
+        begin(target)
+    assert str(error.value).startswith("puck, park: ")
+    assert "\n" not in str(error.value)
+
+
+def begin(target: ExternalTarget) -> None:
+    engine = target.simulation()
+    engine.reset(0)
+    engine.step(np.zeros((1, 4)))
