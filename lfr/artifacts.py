@@ -42,24 +42,48 @@ def write_whole(final: Path) -> Iterator[Path]:
     """
     final = Path(final)
     final.parent.mkdir(parents=True, exist_ok=True)
-    partial = final.with_name(f".partial-{final.name}")
+    partial, before = (final.with_name(f".{word}-{final.name}") for word in ("partial", "before"))
     _remove(partial)
+    if before.exists():  # killed between two renames
+        _remove(before) if final.exists() else before.rename(final)
     try:
         yield partial
         for path in [partial, *partial.rglob("*")]:
             _sync(path)
         if final.is_dir() and not final.is_symlink():  # a folder cannot be renamed onto a folder
-            before = final.with_name(f".before-{final.name}")
-            _remove(before)
-            final.rename(before)
-            partial.rename(final)
-            _remove(before)
+            _replace_folder(final, partial, before)
         else:
             partial.replace(final)
         _sync(final.parent)
     except BaseException:
         _remove(partial)
         raise
+
+
+def _replace_folder(final: Path, partial: Path, before: Path) -> None:
+    """Let ``partial`` take the place of ``final``, at once where the system can."""
+    if _exchange(partial, final):
+        _remove(partial)  # which is what stood there
+        return
+    final.rename(before)
+    try:
+        partial.rename(final)
+    except BaseException:
+        before.rename(final)
+        raise
+    _remove(before)
+
+
+def _exchange(first: Path, second: Path) -> bool:
+    """Swap two names in one step, by Linux's renameat2; False where it, or the disk, has it not."""
+    import ctypes
+
+    here, exchange = -100, 2  # AT_FDCWD, RENAME_EXCHANGE
+    try:
+        renameat2 = ctypes.CDLL(None, use_errno=True).renameat2
+    except (AttributeError, OSError, TypeError):
+        return False
+    return renameat2(here, os.fsencode(first), here, os.fsencode(second), exchange) == 0
 
 
 def write_json(path: Path, content: object, *, allow_nan: bool = False) -> None:

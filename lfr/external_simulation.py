@@ -172,7 +172,9 @@ class ExternalSimulation:
     def _physical(self, action: Array) -> NDArray[np.float32]:
         selection = self._columns.selection
         physical = np.empty(len(action), np.float32)
-        physical[list(selection.action.places)] = selection.space.physical(np.float32(action))
+        physical[list(selection.action.places)] = selection.space.physical(
+            action.astype(np.float32)
+        )
         return physical
 
     def _seen(self, observed: Any) -> Array:

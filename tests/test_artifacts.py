@@ -16,6 +16,7 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
+from lfr import artifacts
 from lfr.artifacts import (
     as_json,
     code_fingerprint,
@@ -53,6 +54,41 @@ def test_a_folder_replaces_a_folder_at_the_end(tmp_path: Path) -> None:
                 assert (final / "deep" / "old.txt").exists()
     assert [path.name for path in tmp_path.rglob("*.txt")] == ["new.txt"]
     assert list(tmp_path.iterdir()) == [final]
+
+
+def _not_there(*_: object) -> bool:
+    return False
+
+
+def test_where_names_cannot_be_exchanged_a_folder_is_replaced_all_the_same(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(artifacts, "_exchange", _not_there)
+    test_a_folder_replaces_a_folder_at_the_end(tmp_path)
+    final, renamed = tmp_path / "model", Path.rename
+
+    def broken(path: Path, to: Path) -> Path:
+        if path.name == ".partial-model":
+            raise OSError("the disk is gone")
+        return renamed(path, to)
+
+    monkeypatch.setattr(Path, "rename", broken)
+    with pytest.raises(OSError, match="gone"), write_whole(final) as partial:
+        partial.mkdir()
+    assert [path.name for path in tmp_path.rglob("*.txt")] == ["new.txt"]
+    assert list(tmp_path.iterdir()) == [final]
+
+
+@pytest.mark.parametrize("renamed", [True, False])
+def test_what_a_kill_between_two_renames_leaves_is_put_right(tmp_path: Path, renamed: bool) -> None:
+    before, final = tmp_path / ".before-model", tmp_path / "model"
+    for folder in (before, final) if renamed else (before,):
+        folder.mkdir()
+        (folder / "a.txt").write_text(folder.name)
+    with pytest.raises(KeyboardInterrupt), write_whole(final):
+        raise KeyboardInterrupt  # the next attempt, which fails: what was whole is there again
+    assert list(tmp_path.iterdir()) == [final]
+    assert (final / "a.txt").read_text() == ("model" if renamed else ".before-model")
 
 
 def test_a_failure_leaves_what_was_there(tmp_path: Path) -> None:

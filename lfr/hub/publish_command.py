@@ -22,6 +22,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--tag", action="append", default=[], help="a further tag of this revision; repeatable"
     )
+    parser.add_argument(
+        "--move-tags", action="store_true", help="let a tag that is there name this revision"
+    )
     parser.add_argument("--card", type=Path, help="a card of your own (default: generated)")
     parser.add_argument(
         "--license", metavar="ID",
@@ -48,7 +51,7 @@ def run(arguments: argparse.Namespace) -> int:
     repo, folder = arguments.repo, arguments.to
     if repo is not None and len(repo.split("/")) != 2:
         raise LfrError(f"found the repository {repo!r}; expected OWNER/NAME")
-    if folder is not None and (arguments.private or arguments.tag):
+    if folder is not None and (arguments.private or arguments.tag or arguments.move_tags):
         raise LfrError("a folder has no tags and is as private as you make it; leave them out")
     if arguments.card is not None and arguments.license is not None:
         raise LfrError("--license is for the generated card; put it into the header of your own")
@@ -91,6 +94,8 @@ def run(arguments: argparse.Namespace) -> int:
 
     assert repo is not None  # argparse asks for the one or the other
 
-    url, commit = publish_to_hub(planned, repo, private=arguments.private or None)
+    url, commit = publish_to_hub(
+        planned, repo, private=arguments.private or None, move_tags=arguments.move_tags
+    )
     print(f"{total}: {url} at {commit}")
     return 0

@@ -14,6 +14,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from lfr.data.repository import plain
+from lfr.data.tables import VERSION
 from lfr.errors import LfrError
 from lfr.hub.publication import CARD, Publication
 
@@ -30,7 +31,11 @@ class PublishError(LfrError):
 
 
 def publish_to_hub(
-    publication: Publication, repo_id: str, *, private: bool | None = None
+    publication: Publication,
+    repo_id: str,
+    *,
+    private: bool | None = None,
+    move_tags: bool = False,
 ) -> tuple[str, str]:
     """Publish to a repository on the Hub, made if missing.
 
@@ -40,14 +45,16 @@ def publish_to_hub(
     Args:
         repo_id: "owner/name".
         private: of a new repository; None takes the owner's default.
+        move_tags: let a tag that names another revision name this one. LeRobot's own, the format's
+            version, always does.
 
     Returns:
         The repository's address and the commit.
 
     Raises:
         PublishError: no such owner or no right to write, a card that the Hub does not accept, a
-            connection cut for longer than huggingface_hub tries again, or a commit by someone
-            else meanwhile.
+            connection cut for longer than huggingface_hub tries again, a commit by someone
+            else meanwhile, or a tag that names another revision.
     """
     from huggingface_hub import CommitOperationAdd, CommitOperationDelete, HfApi
     from huggingface_hub.utils import disable_progress_bars
@@ -60,6 +67,11 @@ def publish_to_hub(
         head = api.repo_info(repo_id, repo_type=kind)
         if private and not head.private:
             raise PublishError(f"{repo_id} is there and public; make it private on the Hub first")
+        named = _tags(api, repo_id, kind)
+        kept = () if move_tags else tuple(tag for tag in publication.tags if tag != VERSION)
+        for tag in kept:
+            if named.get(tag, head.sha) != head.sha:
+                raise PublishError(f"{repo_id}: nothing published: {_taken(tag, named[tag])}")
         there = api.list_repo_files(repo_id, repo_type=kind, revision=head.sha)
         stale = [path for path in there if _is_stale(path, publication)]
         commit = api.create_commit(
@@ -73,6 +85,10 @@ def publish_to_hub(
             parent_commit=head.sha,
         )
         for tag in publication.tags:
+            if tag in kept and named.get(tag, commit.oid) != commit.oid:
+                raise PublishError(
+                    f"{repo_id}: published as {commit.oid}, but {_taken(tag, named[tag])}"
+                )
             _set_tag(api, repo_id, kind, tag, commit.oid)
     return str(url), commit.oid
 
@@ -86,12 +102,22 @@ def _is_stale(path: str, publication: Publication) -> bool:
 
 def _set_tag(api: HfApi, repo_id: str, kind: str, tag: str, commit: str) -> None:
     """Let a tag name the commit. A tag cannot be moved: between the two calls it names nothing."""
-    tags = {ref.name: ref.target_commit for ref in api.list_repo_refs(repo_id, repo_type=kind).tags}
+    tags = _tags(api, repo_id, kind)
     if tags.get(tag) == commit:
         return
     if tag in tags:
         api.delete_tag(repo_id, tag=tag, repo_type=kind)
     api.create_tag(repo_id, tag=tag, revision=commit, repo_type=kind)
+
+
+def _tags(api: HfApi, repo_id: str, kind: str) -> dict[str, str]:
+    """Tag -> the commit that it names."""
+    refs = api.list_repo_refs(repo_id, repo_type=kind)
+    return {ref.name: ref.target_commit for ref in refs.tags}
+
+
+def _taken(tag: str, commit: str) -> str:
+    return f"the tag {tag} names {commit[:12]}; choose another, or --move-tags"
 
 
 @contextmanager

@@ -136,6 +136,28 @@ def test_the_former_revision_loads_until_the_next_is_whole(
     assert load(monkeypatch, tmp_path / "next").num_episodes == 2
 
 
+def test_a_tag_of_ones_own_is_not_moved_unless_asked(
+    hub: Hub, dataset: Path, logs: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from lfr.data.dataset import pack_dataset
+
+    assert publish(dataset, "--tag", "first") == 0
+    repository = hub.repositories["dataset", REPO]
+    first = repository.refs["first"]
+    shorter = tmp_path / "panda-lift"
+    pack_dataset(sorted(logs.iterdir())[:2], shorter, video=False)
+    assert publish(shorter, "--tag", "first") == 2
+    said = capsys.readouterr().err.splitlines()[-1]
+    assert f"but the tag first names {first[:12]}; choose another, or --move-tags" in said
+    assert publish(shorter, "--tag", "second") == 0
+    assert publish(dataset, "--tag", "second", "--tag", "first") == 2
+    assert "nothing published: the tag first names" in capsys.readouterr().err
+    assert repository.refs["first"] == first
+    assert repository.refs["second"] == repository.refs["main"] != first
+    assert publish(shorter, "--tag", "first", "--move-tags") == 0
+    assert repository.refs["first"] == repository.refs["v3.0"] == repository.refs["main"]
+
+
 def test_publishing_the_same_again_changes_nothing(hub: Hub, dataset: Path) -> None:
     assert publish(dataset) == 0
     refs, uploads = dict(hub.repositories["dataset", REPO].refs), list(hub.uploads)
