@@ -7,7 +7,7 @@ needs a simulator, such as success rates and transfer learning, is left out.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -133,6 +133,14 @@ class External:
                 f"{', '.join(taken)} is an arm that this project simulates; "
                 "give the one of your datasets another name"
             )
+        lost = [name for name in self.learned if name not in self.transfers]
+        if lost:
+            raise ValueError(f"learned: {', '.join(lost)} is not among transfers")
+
+
+def without_environments(arm: ExternalArm | None) -> ExternalArm | None:
+    """The arm as its models know it: where it is judged changes nothing of what it learns."""
+    return arm and replace(arm, environments={})
 
 
 def external(path: Path = PARAMS) -> External:

@@ -8,15 +8,19 @@ Policies see it as they see any of this project's: named observations (D,), acti
 
 from __future__ import annotations
 
+import contextlib
+import inspect
 import logging
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
+from lfr.artifacts import file_hash
 from lfr.data.own_columns import OwnColumns, own_columns
 from lfr.errors import LfrError
 from lfr.external import EnvironmentParams, ExternalArm
@@ -25,6 +29,7 @@ from lfr.spaces import space
 
 Array = NDArray[np.float64]
 
+FAILURES = 5  # in a row that are one too many
 BEYOND = 1e-3  # of a bound, in shares of its range: bounds that were copied with four digits
 
 
@@ -36,11 +41,14 @@ class ExternalTarget:
         name: of the arm and task, for messages.
         params: of the environment.
         columns: of the arm's datasets.
+        code: SHA-256 of the file that the environment's class stands in: another one is another
+            environment.
     """
 
     name: str
     params: EnvironmentParams
     columns: OwnColumns
+    code: str = ""
 
     def simulation(self) -> ExternalSimulation:
         return ExternalSimulation(self.name, self.params, self.columns)
@@ -51,13 +59,22 @@ def external_target(
 ) -> ExternalTarget | None:
     """Where an arm can do a task; None where ``arm`` names no environment for it, or is None.
 
+    It is tried for a step, so that what does not fit is told before anything is learned.
+
     Raises:
         DataError: as `lfr.data.own_columns.own_columns`, whose arguments these are.
+        LfrError: as `ExternalSimulation`.
     """
     if arm is None or task not in arm.environments:
         return None
     columns = own_columns(robot, arm, task, others, names)
-    return ExternalTarget(f"{robot}, {task}", arm.environments[task], columns)
+    found = ExternalTarget(f"{robot}, {task}", arm.environments[task], columns)
+    tried = found.simulation()
+    tried.reset(0)
+    tried.step(np.zeros((1, len(columns.selection.space.names))))
+    code = tried.code()
+    tried.close()
+    return replace(found, code=code)
 
 
 class ExternalSimulation:
@@ -67,7 +84,8 @@ class ExternalSimulation:
     environment has. Going back to it carries these out again from the start.
 
     An episode that the environment ends without success goes on in its last observation up to the
-    horizon, without reward. One in which it raises is over, and the traceback is logged.
+    horizon, without reward. One in which it raises is over, and the traceback is logged; raising
+    at once, or in several episodes in a row, is a fault.
 
     Args:
         name: of the arm and task, for messages.
@@ -87,20 +105,25 @@ class ExternalSimulation:
         self.layout = space(columns.selection.observation_names)
         self._environment = self._made()
         self.horizon = params.horizon or self._own_horizon()
-        self._check_action()
+        self._box = self._checked_action()
         self._seed, self._done, self._over = 0, list[Array](), False
+        self._failed, self._broken = 0, False  # episodes in a row that it ended by raising
         self._last = np.zeros(self.layout.size)
 
     def reset(self, seed: int) -> Array:
         """Begin the episode of a seed; the observation (D,).
 
         Raises:
-            LfrError: it observes something else than its description says.
+            LfrError: it observes something else than its description says, or cannot be reset.
         """
         if self._environment is None:
             self._environment = self._made()
-        self._seed, self._done, self._over = seed, [], False
-        observed, _ = self._environment.reset(seed=seed)
+        self._failed = self._failed if self._broken else 0
+        self._seed, self._done, self._over, self._broken = seed, [], False, False
+        try:
+            observed, _ = self._environment.reset(seed=seed)
+        except Exception as error:
+            raise self._fault("cannot be reset", error) from error
         self._last = self._seen(observed)
         return self._last
 
@@ -108,7 +131,7 @@ class ExternalSimulation:
         """Carry out actions (n, A) in [-1, 1], one a control step.
 
         Raises:
-            LfrError: it never says whether the task has succeeded.
+            LfrError: it never says whether the task has succeeded, or does nothing but raise.
         """
         observations, rewards, successes = [], [], []
         for action in np.asarray(actions, np.float64):
@@ -117,9 +140,12 @@ class ExternalSimulation:
                 reward, success = self._stepped(action)
             except LfrError:
                 raise
-            except Exception:  # whatever an environment of somebody's raises
+            except Exception as error:  # whatever an environment of somebody's raises
+                self._failed, self._broken = self._failed + 1, True
+                if len(self._done) == 1 or self._failed == FAILURES:
+                    raise self._fault("cannot go on", error) from error
                 logging.exception("%s: the environment has failed; so has the episode", self.name)
-                self._environment = None
+                self.close()
                 return self._steps(observations, rewards, successes, failed=True)
             observations.append(self._last)
             rewards.append(reward)
@@ -144,10 +170,23 @@ class ExternalSimulation:
                 "another state than it was left in", self.name,
             )  # fmt: skip
 
+    def code(self) -> str:
+        """SHA-256 of the file that the environment's class stands in; "" where there is none."""
+        assert self._environment is not None
+        file = inspect.getsourcefile(type(self._environment.unwrapped))
+        return file_hash(Path(file)) if file else ""
+
     def close(self) -> None:
-        if self._environment is not None:
-            self._environment.close()
-            self._environment = None
+        """Give it up; the next episode makes another one."""
+        environment, self._environment = self._environment, None
+        if environment is not None:
+            with contextlib.suppress(Exception):  # of one that has failed
+                environment.close()
+
+    def _fault(self, what: str, error: Exception) -> LfrError:
+        said = " ".join(str(error).split())
+        logging.exception("%s: the environment has failed", self.name)
+        return LfrError(f"{self.name}: the environment {what}: {type(error).__name__}: {said}")
 
     def _stepped(self, action: Array) -> tuple[float, bool]:
         if self._over:
@@ -169,13 +208,13 @@ class ExternalSimulation:
         seen = np.array(observations).reshape(-1, self.layout.size)
         return Steps(seen, np.array(rewards), np.array(successes, bool), failed)
 
-    def _physical(self, action: Array) -> NDArray[np.float32]:
-        selection = self._columns.selection
+    def _physical(self, action: Array) -> NDArray[Any]:
+        """As the environment's Box has it: rounding to float32 may have led beyond a bound."""
+        selection, box = self._columns.selection, self._box
         physical = np.empty(len(action), np.float32)
-        physical[list(selection.action.places)] = selection.space.physical(
-            action.astype(np.float32)
-        )
-        return physical
+        taken = selection.space.physical(action.astype(np.float32))
+        physical[list(selection.action.places)] = taken
+        return np.clip(physical, box.low, box.high).astype(box.dtype)
 
     def _seen(self, observed: Any) -> Array:
         taken = []
@@ -232,8 +271,8 @@ class ExternalSimulation:
             raise LfrError(f"{self.name}: the environment does not end by itself; say 'horizon'")
         return spec.max_episode_steps
 
-    def _check_action(self) -> None:
-        """The recorded actions are the environment's, and within its bounds."""
+    def _checked_action(self) -> gymnasium.spaces.Box:
+        """The environment's action, which the recorded ones are, and within its bounds."""
         assert self._environment is not None
         selection, taken = self._columns.selection, self._environment.action_space
         size = len(selection.action.places)
@@ -250,6 +289,7 @@ class ExternalSimulation:
                     f"{self.name}: the action's {name} goes from {low:g} to {high:g}, the "
                     f"environment's from {least:g} to {most:g}"
                 )
+        return taken
 
 
 def _entries(observed: Any, before: str = "") -> list[str]:

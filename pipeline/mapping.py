@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from lfr.evaluation.chain import chain_trials, train_and_measure
@@ -33,7 +34,8 @@ def main(transfer: str) -> None:
     params = read_section(MappingParams, "mapping")
     held_out = read_section(SkillsParams, "skills").held_out
     seed = read_section(SeedParams, "seeds").models
-    arms = external_arms(scenario.robots)
+    known = external_arms(scenario.robots)
+    arms = {robot: replace(arm, environments={}) for robot, arm in known.items()}
     skills = pipeline_models(scenario, chosen, arms)
     inputs = _inputs(chosen, skills, arms)
     work = unfinished_work("mapping", transfer, chosen, params, held_out, seed, arms, *inputs)
@@ -41,7 +43,7 @@ def main(transfer: str) -> None:
     models = work / "models"
     job = mapping_job(scenario, chosen, params, held_out, seed, skills, models, arms=arms)
     names = load_prior(skills["source"].prior(chosen.task)).layout_names
-    arm = arms.get(chosen.target)
+    arm = known.get(chosen.target)
     external = external_target(chosen.target, arm, chosen.task, chosen.common, names)
     trials = {}
     if not arms or external:

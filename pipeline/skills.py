@@ -8,7 +8,7 @@ from lfr.artifacts import write_whole
 from lfr.embodiments import embodiment
 from lfr.evaluation.own_arm import train_and_measure
 from lfr.evaluation.protocol import EvaluateParams
-from lfr.external import external, external_arms
+from lfr.external import external, external_arms, without_environments
 from lfr.params import read_names, read_section
 from lfr.program import run_stage
 from lfr.scenarios import scenario as scenario_named
@@ -42,11 +42,12 @@ def main(robot: str) -> None:
     datasets = {dataset_of(robot, task, arm=arm) for tasks in needed for task in tasks}
     # Not `needed` itself: another transfer trains what it needs beyond the others.
     inputs = rows_of(sorted(datasets))
-    work = unfinished_work("skills", robot, params, seed, arm, *inputs)
+    trained = without_environments(arm)
+    work = unfinished_work("skills", robot, params, seed, trained, *inputs)
 
-    jobs = model_jobs(robot, needed, params, seed, work / "models", arm=arm)
+    jobs = model_jobs(robot, needed, params, seed, work / "models", arm=trained)
     episodes = read_section(EvaluateParams, "evaluate").episodes
-    report = train_and_measure(jobs, episodes, work, f"skills {robot}")
+    report = train_and_measure(jobs, episodes, work, f"skills {robot}", arm)
     _gather(jobs, work / "models" / robot, skills_root(robot, [robot] if arm else []) / robot)
     write_metrics("skills", robot, {"robot": robot, "models": report})
 

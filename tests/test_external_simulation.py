@@ -10,11 +10,17 @@ import gymnasium
 import numpy as np
 import pytest
 
+from lfr.artifacts import file_hash
 from lfr.errors import LfrError
 from lfr.external import EnvironmentParams, external
-from lfr.external_simulation import ExternalSimulation, ExternalTarget, external_target
+from lfr.external_simulation import (
+    FAILURES,
+    ExternalSimulation,
+    ExternalTarget,
+    external_target,
+)
 from lfr.transfer.environment import RewardRule, RunningEpisode
-from tests.external import made_up
+from tests.external import made_up, plane
 from tests.external.plane import BROKEN_AT, Plane
 
 PLANE = EnvironmentParams(
@@ -27,7 +33,7 @@ ORDERED = made_up.EXTERNAL.replace(  # of the column, and of what models call it
     "names: [goal_pos.x, goal_pos.y, hand_pos.x, hand_pos.y]}",
 ).replace(
     "action: {column: action}\n",
-    "action: {column: action, dims: [1, 2, 3, 0], low: -2, high: 2}\n",
+    "action: {column: action, dims: [1, 2, 3, 0], low: [-1, -1, -0.5, -1], high: [1, 1, 0.5, 1]}\n",
 )
 
 
@@ -50,6 +56,7 @@ def target_of(
     arm = replace(arm, environments={"park": params}, tasks=tasks)
     found = external_target("puck", arm, "park", ("push", "pull"), names)
     assert found is not None
+    assert found.code == file_hash(Path(plane.__file__))
     return found
 
 
@@ -78,13 +85,11 @@ def test_it_is_the_environment_itself(folder: Path) -> None:
 
 def test_columns_units_and_order_are_the_datasets(folder: Path) -> None:
     names = (*NAMES[2:], *NAMES[:2])
-    changed = target_of(folder, PLANE, ORDERED, names)
-    changed = replace(changed, params=replace(changed.params, kwargs={"quadrant": (-1, 1)}))
-    with pytest.raises(LfrError, match=r"goes from -2 to 2, the environment's from -1 to 1"):
-        changed.simulation()
-    space = replace(changed.columns.selection.space, low=(-1.0, -1.0, -0.5, -1.0))
-    selection = replace(changed.columns.selection, space=replace(space, high=(1.0, 1.0, 0.5, 1.0)))
-    engine = replace(changed, columns=replace(changed.columns, selection=selection)).simulation()
+    there = replace(PLANE, kwargs={"quadrant": (-1, 1)})
+    wider = ORDERED.replace("low: [-1, -1, -0.5, -1]", "low: [-1, -1, -2, -1]")
+    with pytest.raises(LfrError, match=r"action.3 goes from -2 to 0.5, the environment's from -1"):
+        target_of(folder, there, wider, names)
+    engine = target_of(folder, there, ORDERED, names).simulation()
     plane = Plane(quadrant=(-1, 1))
     seen, _ = plane.reset(seed=0)
     np.testing.assert_allclose(engine.reset(0), np.roll(seen["agent_pos"], 2) / 2, rtol=1e-6)
@@ -126,13 +131,44 @@ def test_one_that_does_not_repeat_itself_says_so(
 
 def test_a_crash_is_a_failed_episode(folder: Path, caplog: pytest.LogCaptureFixture) -> None:
     engine = simulation(folder, breaks=True)
-    for seed in (0, 1):
+    for seed in range(FAILURES - 1):
         engine.reset(seed)
         steps = engine.step(np.zeros((BROKEN_AT + 3, 4)))
         assert steps.diverged
         assert len(steps) == BROKEN_AT - 1
-    assert caplog.text.count("RuntimeError: the puck has left the plane") == 2
+    assert caplog.text.count("RuntimeError: the puck has left the plane") == FAILURES - 1
     assert "Traceback" in caplog.text
+    engine.reset(FAILURES)
+    with pytest.raises(LfrError, match="cannot go on: RuntimeError: the puck has left the plane"):
+        engine.step(np.zeros((BROKEN_AT, 4)))
+
+
+def test_whole_episodes_between_crashes_make_them_bearable(folder: Path) -> None:
+    engine = simulation(folder, breaks=True)
+    for seed in range(2 * FAILURES):
+        engine.reset(seed)
+        engine.step(np.zeros((BROKEN_AT - seed % 2, 4)))  # every other one ends before it breaks
+
+
+@pytest.mark.parametrize("at", ["reset", "step"])
+def test_one_that_does_nothing_but_raise_is_a_fault(
+    folder: Path, at: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(*_: Any, **__: Any) -> None:
+        raise RuntimeError("no licence")
+
+    monkeypatch.setattr(Plane, at, broken)
+    with pytest.raises(LfrError, match=r"puck, park: the environment cannot .*: no licence"):
+        target_of(folder)
+
+
+def test_a_rounded_action_stays_within_its_bounds(folder: Path) -> None:
+    engine = simulation(folder)
+    engine._box = gymnasium.spaces.Box(-0.3, 0.3, (4,), np.float64)
+    taken = engine._physical(np.ones(4))
+    assert taken.dtype == np.float64
+    assert engine._box.contains(taken)
+    assert not engine._box.contains(np.float64(np.full(4, np.float32(0.3))))
 
 
 def test_success_ends_it_or_goes_on(folder: Path) -> None:
@@ -167,14 +203,7 @@ def test_success_ends_it_or_goes_on(folder: Path) -> None:
 def test_what_is_wrong_with_it_is_one_line(
     folder: Path, changes: dict[str, Any], message: str
 ) -> None:
-    target = target_of(folder, replace(PLANE, **changes))
     with pytest.raises(LfrError, match=message) as error:
-        begin(target)
+        target_of(folder, replace(PLANE, **changes))
     assert str(error.value).startswith("puck, park: ")
     assert "\n" not in str(error.value)
-
-
-def begin(target: ExternalTarget) -> None:
-    engine = target.simulation()
-    engine.reset(0)
-    engine.step(np.zeros((1, 4)))

@@ -219,7 +219,8 @@ def _unit(space: ActionSpace) -> Tensor:
 
 
 def _scaled(prior: SkillPrior, states: Tensor) -> Tensor:
-    return (states - prior.normalizer.mean) / prior.normalizer.std
+    normalizer = prior.normalizer
+    return (normalizer.at_azimuth_zero(states) - normalizer.mean) / normalizer.std
 
 
 def _some(states: Tensor) -> Tensor:

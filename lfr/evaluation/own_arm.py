@@ -8,6 +8,7 @@ from typing import Any
 
 from lfr.data.external import selected
 from lfr.evaluation.trials import Trial, success_rate, trial_jobs
+from lfr.external import ExternalArm
 from lfr.external_simulation import external_target
 from lfr.jobs import run_jobs
 from lfr.skills.model_jobs import ModelJobs, PriorsTraining, model_report
@@ -15,22 +16,27 @@ from lfr.skills.skill_policy import SkillFiles
 
 
 def train_and_measure(
-    models: ModelJobs, episodes: int, work: Path, description: str
+    models: ModelJobs,
+    episodes: int,
+    work: Path,
+    description: str,
+    arm: ExternalArm | None = None,
 ) -> dict[str, dict[str, Any]]:
     """Train the models of a robot, and run every prior on its own arm and task once it is there.
 
     Args:
         models: as `lfr.skills.model_jobs.model_jobs` gives them.
-        episodes: held-out starts of each prior; arms without a simulator run none.
+        episodes: held-out starts of each prior.
+        arm: the robot, where it is external; it runs the tasks that it has environments for.
 
     Returns:
         `lfr.skills.model_jobs.model_report`, with the success of each prior as ``own_arm``.
     """
     trials = {
-        (priors, task): trial_jobs(own_arm(priors.spec, task, episodes), (priors,))
+        (priors, task): trial_jobs(own_arm(priors.spec, task, episodes, arm), (priors,))
         for priors in models.values()
         for task in priors.spec.tasks
-        if acts(priors.spec, task)
+        if arm is None or task in arm.environments
     }
     jobs = [*models, *models.values(), *itertools.chain(*trials.values())]
     done = run_jobs(jobs, work=work, description=description, unit="part")
@@ -39,15 +45,11 @@ def train_and_measure(
     return model_report(models, done)
 
 
-def acts(priors: PriorsTraining, task: str) -> bool:
-    """Whether there is a simulator that the arm can do a task in."""
-    arm = priors.vae.arm
-    return arm is None or task in arm.environments
-
-
-def own_arm(priors: PriorsTraining, task: str, episodes: int) -> Trial:
+def own_arm(
+    priors: PriorsTraining, task: str, episodes: int, arm: ExternalArm | None = None
+) -> Trial:
     """A prior on its own arm and task, with the decoder of the VAE that it was trained for."""
-    models, robot, arm = priors.vae.models, priors.vae.robot, priors.vae.arm
+    models, robot = priors.vae.models, priors.vae.robot
     files = SkillFiles(str(models.prior(task)), str(models.vae))
     external = None
     if arm is not None:

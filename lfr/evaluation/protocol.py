@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from lfr.errors import ParameterError
-from lfr.evaluation.trials import JudgeName
+from lfr.evaluation.trials import Simulator
 
 
 @dataclass(frozen=True)
@@ -19,7 +19,7 @@ class EvaluateParams:
     """
 
     episodes: int = 100
-    judges: tuple[JudgeName, ...] = ("engine", "robosuite")
+    judges: tuple[Simulator, ...] = ("engine", "robosuite")
 
     def __post_init__(self) -> None:
         if self.episodes < 1:

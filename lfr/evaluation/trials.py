@@ -18,7 +18,8 @@ from lfr.jobs import Job, run_jobs
 from lfr.policies import Outcome, PolicySource, Simulated, roll_out
 from lfr.seeds import episode_seed
 
-JudgeName = Literal["engine", "robosuite", "environment"]
+Simulator = Literal["engine", "robosuite"]
+JudgeName = Simulator | Literal["environment"]
 SHARD = 25  # episodes of a job: seconds of work, so that a kill costs little
 
 

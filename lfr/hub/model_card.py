@@ -86,14 +86,16 @@ def _evaluations(facts: ModelFacts) -> list[EvalResult]:
     learned, judged = facts.results.get("transfer"), facts.results.get("evaluate")
     if not learned or not judged:
         return []
-    arm = embodiment(learned["robot"]).robot
-    stock = f"{TASKS[learned['task']].stock_name}, {arm.title}"
+    where = "the target's own environment"
+    if is_known(learned["robot"]):
+        arm = embodiment(learned["robot"]).robot
+        where = f"robosuite's {TASKS[learned['task']].stock_name}, {arm.title}"
     return [
         EvalResult(
             task_type="robotics",
             task_name="robotics",
             dataset_type=f"{learned['robot']}-{learned['task']}",
-            dataset_name=f"held-out starts of robosuite's {stock}",
+            dataset_name=f"held-out starts of {where}",
             metric_type="success_rate",
             metric_name=f"success rate, seed {run['seed']}, judged by {judge}",
             metric_value=success["rate"],
@@ -159,6 +161,10 @@ def _results(facts: ModelFacts) -> str:
         return _skill_results(facts.results["skills"])
     if "chain" in facts.results:
         return _mapping_results(facts.results["chain"])
+    if chain := facts.results.get("mapping", {}).get("zero_shot"):
+        report = facts.results["mapping"]
+        about = {"target": report["target"], "task": next(iter(report["new"]))}
+        return _mapping_results({**about, "zero_shot": chain})
     if {"transfer", "evaluate"} <= set(facts.results):
         return _transfer_results(facts.results["transfer"], facts.results["evaluate"])
     return ""
@@ -206,6 +212,14 @@ def _transfer_results(learned: dict[str, Any], judged: dict[str, Any]) -> str:
     )
 
 
+def _judged(facts: ModelFacts) -> bool:
+    """Whether any success is known of it."""
+    skills = facts.results.get("skills", {}).get("models", {}).values()
+    own = any("own_arm" in prior for model in skills for prior in model["prior"].values())
+    chain = facts.results.get("mapping", {}).get("zero_shot")
+    return bool(own or chain or "evaluate" in facts.results)
+
+
 def _rate(tally: dict[str, Any]) -> str:
     """Successes with the Wilson interval of 95 %."""
     low, high = 100 * tally["low"], 100 * tally["high"]
@@ -244,7 +258,8 @@ def _rebuild(facts: ModelFacts) -> list[str]:
 def _limits(facts: ModelFacts) -> str:
     states = "It acts on states in {} observation layout, not on pictures, and needs lfr to run."
     if not _simulated(facts):
-        lines = ["No arm has moved by it, in simulation or elsewhere.", states.format("its own")]
+        where = "outside the environment that it was judged in" if _judged(facts) else "anywhere"
+        lines = [f"No arm has moved by it {where}.", states.format("its own")]
         return "\n".join(f"- {line}" for line in lines)
     lines = [
         "Simulated: no real robot has moved.",

@@ -84,12 +84,14 @@ def publish_to_hub(
             repo_type=kind,
             parent_commit=head.sha,
         )
+        left = [tag for tag in kept if named.get(tag, commit.oid) != commit.oid]
         for tag in publication.tags:
-            if tag in kept and named.get(tag, commit.oid) != commit.oid:
-                raise PublishError(
-                    f"{repo_id}: published as {commit.oid}, but {_taken(tag, named[tag])}"
-                )
-            _set_tag(api, repo_id, kind, tag, commit.oid)
+            if tag not in left:
+                _set_tag(api, repo_id, kind, tag, commit.oid)
+        for tag in left:
+            raise PublishError(
+                f"{repo_id}: published as {commit.oid}, but {_taken(tag, named[tag])}"
+            )
     return str(url), commit.oid
 
 

@@ -67,15 +67,18 @@ def export_policy(folder: Path, out: Path) -> Exported:
 
     Args:
         folder: a transferred policy's, or a mapping's, which acts as it did before any learning on
-            the target. For a mapping it reads `params.yaml` too, and the target's metadata.
+            the target. For a mapping, and for an arm that is not simulated
+            here, it reads `params.yaml` too, and the metadata of the arm's datasets.
 
     Raises:
         DataError: no policy and no mapping, a damaged one, or something where it should go.
     """
+    from lfr.embodiments import is_known
     from lfr.lerobot_plugin.configuration_lfr import LfrConfig, features_of, own_features
-    from lfr.lerobot_plugin.mapped import mapped_actor
+    from lfr.lerobot_plugin.mapped import columns_of, mapped_actor
     from lfr.lerobot_plugin.modeling_lfr import LfrPolicy
     from lfr.lerobot_plugin.processor_lfr import make_lfr_pre_post_processors
+    from lfr.scenarios import transfer as transfer_named
     from lfr.transfer.model import described, load_policy
 
     if out.exists():
@@ -89,6 +92,9 @@ def export_policy(folder: Path, out: Path) -> Exported:
                  "source": transfer.source, "seed": mapped.seed}  # fmt: skip
     else:
         actor, about = load_policy(folder)
+        if not is_known(about["robot"]):
+            transfer = transfer_named(about["transfer"])
+            columns = columns_of(transfer, actor.policy.pi.layout_names)
     robot, task = about["robot"], about["task"]
     given, answered = own_features(columns.features) if columns else features_of(robot, task)
     networks, tensors = described(actor, folder / "config.json")

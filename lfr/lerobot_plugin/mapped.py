@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -58,10 +59,32 @@ def mapped_actor(folder: Path, params: Path = PARAMS) -> MappedActor:
     prior = load_prior(skills["source"].prior(transfer.task))
     policy = frozen_prior(prior, load_generator(folder / "g"))
     actor = SkillActor(policy, policy, load_vae(skills["target"].vae()))
-    columns = None
-    if transfer.target in arms:
-        columns = own_columns(
-            transfer.target, arms[transfer.target], transfer.task, transfer.common,
-            prior.layout_names,
+    return MappedActor(actor, transfer, seen.seed, columns_of(transfer, prior.layout_names, params))
+
+
+def columns_of(
+    transfer: Transfer, names: Sequence[str], params: Path = PARAMS
+) -> OwnColumns | None:
+    """What of its own datasets a transfer's target sees and answers; None if it is simulated here.
+
+    Args:
+        names: what the policy calls what it sees.
+
+    Raises:
+        DataError: as `lfr.data.own_columns.own_columns`; or a column that LeRobot gives no policy.
+    """
+    arm = external_arms([transfer.target], params).get(transfer.target)
+    if arm is None:
+        return None
+    found = own_columns(transfer.target, arm, transfer.task, transfer.common, names)
+    seen = [part.column for part in found.selection.observation]
+    lost = [column for column in seen if not column.startswith("observation.")]
+    if found.selection.action.column != "action":
+        lost.append(found.selection.action.column)
+    if lost:
+        raise DataError(
+            "LeRobot gives a policy columns called `observation.*` and takes its `action`; rename "
+            "the dataset's",
+            file=params, column=f"external.arms.{transfer.target}", found=", ".join(lost),
         )  # fmt: skip
-    return MappedActor(actor, transfer, seen.seed, columns)
+    return found

@@ -8,7 +8,7 @@ from itertools import zip_longest
 from pathlib import Path
 
 from lfr.columns import ActionSpace
-from lfr.embodiments import embodiment, may_share_actions
+from lfr.embodiments import embodiment, is_known, may_share_actions
 from lfr.errors import DataError
 from lfr.model_files import ModelKind, load_seen_as
 from lfr.skills.hand_motion import HandJacobian
@@ -117,8 +117,8 @@ def check_actions(folder: Path, robot: str) -> None:
         UnknownNameError: no such embodiment.
     """
     seen = load_seen(folder)
-    if seen.robot == robot:  # whose own they are, also of an arm that is known by datasets alone
-        return
+    if seen.robot == robot or not is_known(robot):
+        return  # its own; or of an arm that is known by its datasets, where whoever asks compares
     found = seen.actions.names if seen.actions else embodiment(seen.robot).action.names
     expected = embodiment(robot).action.names
     message = f"{robot} cannot carry out the actions of {seen.robot}"

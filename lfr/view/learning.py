@@ -11,6 +11,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from lfr.embodiments import is_known
 from lfr.errors import DataError
 from lfr.transfer.log import CURVE, POLICY, UPDATES
 from lfr.transfer.starts import evaluation_starts
@@ -96,7 +97,7 @@ class _Run:
         self._recording.flush()
         new = [policy for policy in _policies(self.run) if policy not in self._drawn]
         self._drawn.update(new)
-        return [self._draw(policy) for policy in new]
+        return [self._draw(policy) for policy in new if is_known(_about(policy)["robot"])]
 
     def close(self) -> None:
         self._recording.flush()

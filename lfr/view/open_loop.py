@@ -82,14 +82,20 @@ def _actions(asked: tuple[Any, Any, Any], episode: Episode, folder: Path) -> NDA
     columns = {key: _column(episode, key, folder) for key in needed}
     policy.reset()
     found = []
-    with torch.inference_mode():
-        for frame in range(len(episode)):
-            batch: dict[str, Any] = {
-                key: torch.as_tensor(values[frame])[None] for key, values in columns.items()
-            }
-            found.append(after(policy.select_action(before({**batch, "task": [task]})))[0])
+    try:
+        with torch.inference_mode():
+            for frame in range(len(episode)):
+                batch: dict[str, Any] = {
+                    key: torch.as_tensor(values[frame])[None] for key, values in columns.items()
+                }
+                found.append(after(policy.select_action(before({**batch, "task": [task]})))[0])
+    except LfrError:
+        raise
+    except Exception as error:  # whatever a policy of somebody's raises
+        raise LfrError(f"--policy {folder} does not act on this episode: {error}") from error
     actions = torch.stack(found).double().numpy()
     recorded = np.asarray(episode.features[ACTION])
+    recorded = recorded.reshape(len(recorded), -1)
     if actions.shape[1:] != recorded.shape[1:]:
         raise LfrError(
             f"--policy {folder} answers {actions.shape[1]} numbers, the episode's actions have "
@@ -102,6 +108,7 @@ def _column(episode: Episode, key: str, folder: Path) -> Any:
     """What is observed at each frame: numbers, or pictures (3, height, width) in [0, 1]."""
     if key in episode.features:
         values = np.asarray(episode.features[key])
+        values = values.reshape(len(values), -1)
         return values.astype(np.float32) if values.dtype == np.float64 else values
     camera = entity_part(key.removeprefix(IMAGES).removeprefix("observation."))
     if camera in episode.images:

@@ -238,8 +238,24 @@ def test_it_learns_in_the_targets_environment(project: Path) -> None:
     assert actor.act(np.zeros(4)).shape == (3, 4)
 
 
+def test_what_it_has_learned_is_exported_and_viewed(project: Path, tmp_path: Path) -> None:
+    learned, out = f"models/transfer/{NAME}-lfr/seed-0", tmp_path / "learned"
+    told = lfr(project, "export", learned, str(out))
+    assert "sees observation.state, 4 numbers" in told.stdout, told.stderr
+    sizes = read_json(out / "config.json")["columns"]["observation"][0]
+    assert (sizes["size"], sizes["places"]) == (4, [0, 1, 2, 3])
+    curves = tmp_path / "curves.rrd"
+    told = lfr(project, "view", f"models/learning/{NAME}-lfr", "--save", str(curves))
+    assert told.returncode == 0, told.stderr
+    assert len(rrd.rows(curves, "/evaluation/success", "Scalars:scalars")) >= 2
+
+
 def test_cards_claim_no_simulation(project: Path) -> None:
-    for stage, name, words in (("skills", "crane", "vae"), ("mapping", NAME, "generator")):
+    judged = "No arm has moved by it outside the environment that it was judged in."
+    for stage, name, words in (
+        ("skills", "crane", "No arm has moved by it anywhere."), ("skills", "puck", judged),
+        ("mapping", NAME, judged), ("transfer", f"{NAME}-lfr", "the target's own environment"),
+    ):  # fmt: skip
         place = "external-skills" if stage == "skills" else stage
         facts = read_models(project / "models" / place / name, project / "results")
         assert facts.folder == f"models/{place}/{name}"

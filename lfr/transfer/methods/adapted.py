@@ -1,6 +1,5 @@
 """The source's policy without G: with its own decoder, or with the target's (part V)."""
 
-from lfr.embodiments import embodiment
 from lfr.skills.library import same_actions
 from lfr.skills.resized import resized_vae
 from lfr.transfer.extended_policy import IdentityMap
@@ -16,8 +15,7 @@ def ap(models: TrainedModels, params: TransferParams) -> Initialization:
     """
     prior, decoder = models.source_prior(), models.source_vae()
     if not same_actions(models.skills):
-        size = embodiment(models.transfer.target).action.size
-        decoder = resized_vae(decoder, size)
+        decoder = resized_vae(decoder, models.target_vae().action_dim)
     return initialize_from(prior, IdentityMap(), decoder, params, prior)
 
 
