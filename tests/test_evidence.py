@@ -55,8 +55,12 @@ def test_every_run_can_be_traced() -> None:
 
 def test_every_run_that_learned_has_its_curve() -> None:
     curves = {point.key[:6] for point in read_curves(RESULTS / "curves.csv")}
-    learned = {run.key[:6] for run in runs() if run.env_steps}
-    assert learned == curves
+    learned = {run.key[:6]: run.env_steps for run in runs() if run.env_steps}
+    assert set(learned) == curves
+    for curve, last in learned.items():
+        steps = [one.env_steps for one in read_curves(RESULTS / "curves.csv") if one.key == curve]
+        assert steps == sorted(set(steps)), curve
+        assert (steps[0], steps[-1]) == (0, last), curve
 
 
 def test_a_repeated_run_leaves_nothing_of_its_curve(tmp_path: Path) -> None:
@@ -66,7 +70,7 @@ def test_a_repeated_run_leaves_nothing_of_its_curve(tmp_path: Path) -> None:
     add(CurvePoint, path, [*first, *other])
     again = [replace(point, success=1.0, env_steps=steps)
              for point, steps in zip(first, (0, 5011), strict=True)]  # fmt: skip
-    add(CurvePoint, path, again)
+    add(CurvePoint, path, [*again, *again])  # judged by two
     assert read_curves(path) == [*again, *other]
 
 

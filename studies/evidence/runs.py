@@ -98,7 +98,7 @@ def read_curves(path: Path = CURVES) -> list[CurvePoint]:
 
 def add[Row: (Run, CurvePoint)](kind: type[Row], path: Path, rows: Iterable[Row]) -> None:
     """Put rows into a table, in the place of all those with their keys, and keep it in order."""
-    new = list(rows)
+    new = list(dict.fromkeys(rows))  # a run that two have judged brings its curve twice
     repeated = {row.key for row in new}
     known = _read(kind, path) if path.is_file() else []
     kept = [row for row in known if row.key not in repeated]
