@@ -79,6 +79,7 @@ def export_policy(folder: Path, out: Path) -> Exported:
     from lfr.lerobot_plugin.modeling_lfr import LfrPolicy
     from lfr.lerobot_plugin.processor_lfr import make_lfr_pre_post_processors
     from lfr.scenarios import transfer as transfer_named
+    from lfr.skills.prior import SkillPrior
     from lfr.transfer.model import described, load_policy
 
     if out.exists():
@@ -94,7 +95,9 @@ def export_policy(folder: Path, out: Path) -> Exported:
         actor, about = load_policy(folder)
         if not is_known(about["robot"]):
             transfer = transfer_named(about["transfer"])
-            columns = columns_of(transfer, actor.policy.pi.layout_names)
+            pi = actor.policy.pi
+            assert isinstance(pi, SkillPrior)  # as every method's of the library
+            columns = columns_of(transfer, pi.layout_names)
     robot, task = about["robot"], about["task"]
     given, answered = own_features(columns.features) if columns else features_of(robot, task)
     networks, tensors = described(actor, folder / "config.json")
