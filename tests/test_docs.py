@@ -38,7 +38,7 @@ FILE = re.compile(
 )
 PAGES = {
     "browse.md": ("view",),
-    "bring-a-dataset.md": ("import",),
+    "bring-a-dataset.md": ("import", "view"),
     "publish.md": ("publish", "card"),
     "trust.md": ("verify", "replay", "recover", "diff"),
 }

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -11,7 +10,7 @@ import pytest
 
 from lfr.evaluation.marked import shown
 from studies.evidence.page import tables_of
-from studies.evidence.runs import CurvePoint, Run, add, read_curves, read_runs
+from studies.evidence.runs import Run, read_curves, read_runs
 from studies.evidence.statistics import Interval, difference
 from studies.evidence.tables import PAPER, PAPERS, TABLES, chosen
 
@@ -61,17 +60,6 @@ def test_every_run_that_learned_has_its_curve() -> None:
         steps = [one.env_steps for one in read_curves(RESULTS / "curves.csv") if one.key == curve]
         assert steps == sorted(set(steps)), curve
         assert (steps[0], steps[-1]) == (0, last), curve
-
-
-def test_a_repeated_run_leaves_nothing_of_its_curve(tmp_path: Path) -> None:
-    path = tmp_path / "curves.csv"
-    first = [CurvePoint("t", "lfr", "ours", "sparse", 50, 0, steps, 0.5) for steps in (0, 5006)]
-    other = [replace(point, seed=1) for point in first]
-    add(CurvePoint, path, [*first, *other])
-    again = [replace(point, success=1.0, env_steps=steps)
-             for point, steps in zip(first, (0, 5011), strict=True)]  # fmt: skip
-    add(CurvePoint, path, [*again, *again])  # judged by two
-    assert read_curves(path) == [*again, *other]
 
 
 def test_seeds_are_whole() -> None:

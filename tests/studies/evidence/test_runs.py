@@ -31,12 +31,15 @@ def test_a_repeated_run_takes_its_place_and_no_others(tmp_path: Path) -> None:
     assert first[4] not in found
 
 
-def test_curves_are_kept_by_step(tmp_path: Path) -> None:
+def test_a_repeated_run_leaves_nothing_of_its_curve(tmp_path: Path) -> None:
     path = tmp_path / "curves.csv"
-    point = CurvePoint("t", "lfr", "ours", "sparse", 50, 0, 0, 0.5)
-    add(CurvePoint, path, [point, replace(point, env_steps=5_000, success=0.75)])
-    add(CurvePoint, path, [replace(point, success=0.25)])
-    assert [(one.env_steps, one.success) for one in read_curves(path)] == [(0, 0.25), (5000, 0.75)]
+    first = [CurvePoint("t", "lfr", "ours", "sparse", 50, 0, steps, 0.5) for steps in (0, 5006)]
+    other = [replace(point, seed=1) for point in first]
+    add(CurvePoint, path, [*first, *other])
+    again = [replace(point, success=1.0, env_steps=steps)
+             for point, steps in zip(first, (0, 5011), strict=True)]  # fmt: skip
+    add(CurvePoint, path, [*again, *again])  # judged by two
+    assert read_curves(path) == [*again, *other]
 
 
 def test_another_table_is_refused(tmp_path: Path) -> None:
