@@ -1,7 +1,7 @@
 """Arms that this project does not simulate: section ``external`` of params.yaml.
 
 Each is known by LeRobot datasets alone. Skill models and mappings are learned from these; what
-needs a simulator, such as success rates and transfer learning, is left out.
+needs a simulator, such as success rates and transfer learning, is there where the arm names one.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class EnvironmentParams:
         id: as `gymnasium.make` takes it; ``module:name`` imports the module that registers it.
         kwargs: that it is made with.
         observation: column of the dataset -> entry of the environment's observation, with dots
-            where dictionaries are nested; () where the observation itself is the only column.
+            where dictionaries are nested; {} where the observation itself is the only column.
         success: entry of ``info`` that is true where the task has succeeded.
         success_reward: instead, the reward from which on it has.
         horizon: control steps of an episode; None takes the environment's own.
@@ -138,9 +138,9 @@ class External:
             raise ValueError(f"learned: {', '.join(lost)} is not among transfers")
 
 
-def without_environments(arm: ExternalArm | None) -> ExternalArm | None:
+def without_environments(arm: ExternalArm) -> ExternalArm:
     """The arm as its models know it: where it is judged changes nothing of what it learns."""
-    return arm and replace(arm, environments={})
+    return replace(arm, environments={})
 
 
 def external(path: Path = PARAMS) -> External:

@@ -2,12 +2,11 @@
 
 import sys
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 
 from lfr.evaluation.chain import chain_trials, train_and_measure
 from lfr.evaluation.protocol import EvaluateParams
-from lfr.external import ExternalArm, external_arms
+from lfr.external import ExternalArm, external_arms, without_environments
 from lfr.external_simulation import external_target
 from lfr.mapping.mapping_jobs import mapping_job
 from lfr.mapping.mapping_params import MappingParams
@@ -35,7 +34,7 @@ def main(transfer: str) -> None:
     held_out = read_section(SkillsParams, "skills").held_out
     seed = read_section(SeedParams, "seeds").models
     known = external_arms(scenario.robots)
-    arms = {robot: replace(arm, environments={}) for robot, arm in known.items()}
+    arms = {robot: without_environments(arm) for robot, arm in known.items()}
     skills = pipeline_models(scenario, chosen, arms)
     inputs = _inputs(chosen, skills, arms)
     work = unfinished_work("mapping", transfer, chosen, params, held_out, seed, arms, *inputs)

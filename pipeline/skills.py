@@ -42,7 +42,7 @@ def main(robot: str) -> None:
     datasets = {dataset_of(robot, task, arm=arm) for tasks in needed for task in tasks}
     # Not `needed` itself: another transfer trains what it needs beyond the others.
     inputs = rows_of(sorted(datasets))
-    trained = without_environments(arm)
+    trained = without_environments(arm) if arm else None
     work = unfinished_work("skills", robot, params, seed, trained, *inputs)
 
     jobs = model_jobs(robot, needed, params, seed, work / "models", arm=trained)
