@@ -18,6 +18,10 @@ COMMANDS = {
         "print a dataset's columns, or a bag's topics, as a mapping",
         "lfr.importing.columns_command",
     ),
+    "record": (
+        "record demonstrations in a Gymnasium environment",
+        "lfr.environments.record_command",
+    ),
     "view": ("open an episode, a dataset or a training run in rerun", "lfr.view.command"),
     "verify": ("check a dataset for all that can be wrong", "lfr.curation.verify_command"),
     "replay": ("run recorded actions and compare the states", "lfr.curation.replay_command"),

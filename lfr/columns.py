@@ -4,18 +4,33 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lfr.conversion import UNITS, Conversion
 
-def _check_names(column: str, dims: Sequence[str | int], names: Sequence[str]) -> None:
-    if dims and names and len(dims) != len(names):
-        raise ValueError(f"{column}: found {len(names)} names for {len(dims)} dims")
+
+def _check_names(
+    column: str, dims: Sequence[str | int], names: Sequence[str],
+    sizes: tuple[int, int] | None = None,
+) -> None:  # fmt: skip
+    if dims and names and (len(dims), len(names)) != (sizes or (len(dims),) * 2):
+        expected = f"; {sizes[0]} become {sizes[1]}" if sizes else ""
+        raise ValueError(f"{column}: found {len(names)} names for {len(dims)} dims{expected}")
     for what, given in (("dims", dims), ("names", names)):
         twice = [str(one) for one in dict.fromkeys(given) if list(given).count(one) > 1]
         if twice:
             raise ValueError(f"{column}: {', '.join(twice)} twice under {what}")
+
+
+@dataclass(frozen=True)
+class Subtracted:
+    """Dimensions of one column, `column` and `dims` as of `Part`, that are taken off others."""
+
+    column: str
+    dims: tuple[str | int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -27,18 +42,34 @@ class Part:
         dims: which of its dimensions and in which order, by the dataset's names or by number;
             () takes all.
         names: what models know them by, one for each; () keeps the dataset's names.
-        unit: the size of a metre or radian in the column's numbers, which are divided by it.
+        minus: as many dimensions, of this or another column, in the same unit: what a ``<start>_to_
+            <end>`` starts from. None takes off nothing.
+        unit: of the column's numbers: its name, or the size of a metre or radian (or whatever 1
+            stands for) in them. Below 0 it turns what is open and what is closed.
+        zero, quaternion, frame: as of `Conversion`.
     """
 
     column: str
     dims: tuple[str | int, ...] = ()
     names: tuple[str, ...] = ()
-    unit: float = 1.0
+    minus: Subtracted | None = None
+    unit: float | Literal["m", "cm", "mm", "rad", "deg"] = 1.0
+    zero: float | tuple[float, ...] = 0.0
+    quaternion: Literal["", "xyzw", "wxyz"] = ""
+    frame: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
-        _check_names(self.column, self.dims, self.names)
-        if not self.unit > 0:
-            raise ValueError(f"{self.column}: unit must be above 0, found {self.unit}")
+        try:
+            sizes = self.conversion.sizes
+        except ValueError as error:
+            raise ValueError(f"{self.column}: {error}") from None
+        _check_names(self.column, self.dims, self.names, sizes)
+
+    @property
+    def conversion(self) -> Conversion:
+        """What is done to its numbers."""
+        unit = UNITS[self.unit] if isinstance(self.unit, str) else self.unit
+        return Conversion(self.zero, unit, self.quaternion, self.frame)
 
 
 @dataclass(frozen=True)
@@ -48,6 +79,8 @@ class ActionPart:
     Attributes:
         column, dims, names: as of `Part`.
         low, high: what -1 and 1 stand for, of every dimension or of each.
+        deltas: those of the names that are changes or speeds, which may be said only where control
+            steps are resampled, and has to be there (`lfr.data.resample`).
     """
 
     column: str = "action"
@@ -55,6 +88,7 @@ class ActionPart:
     names: tuple[str, ...] = ()
     low: float | tuple[float, ...] = -1.0
     high: float | tuple[float, ...] = 1.0
+    deltas: tuple[str, ...] | None = None
 
     def __post_init__(self) -> None:
         _check_names(self.column, self.dims, self.names)
@@ -79,7 +113,9 @@ class Columns:
     @property
     def needed(self) -> tuple[str, ...]:
         """The names of all columns."""
-        return tuple(dict.fromkeys([*(p.column for p in self.observation), self.action.column]))
+        taken_off = [part.minus.column for part in self.observation if part.minus]
+        observed = [part.column for part in self.observation]
+        return tuple(dict.fromkeys([*observed, *taken_off, self.action.column]))
 
 
 @dataclass(frozen=True)

@@ -64,12 +64,14 @@ class ExternalArm:
     """An arm by its LeRobot v3.0 datasets.
 
     Attributes:
-        fps: control steps per second, which every dataset must have.
+        fps: control steps per second, which every dataset and environment must have.
         tasks: by their names in scenarios.
         observation: parts of the observation, for tasks that name none of their own.
         action: the action.
         path: the dataset, for tasks that name none of their own.
         robot_type: what every dataset must say of its robot; None takes any.
+        resample: control steps per second that models see and choose, fewer than ``fps``; None is
+            as many (`lfr.data.resample`).
         environments: task -> where the arm can do it, also one that it has no dataset of.
         cartesian: actions and observations are named and scaled as this project's own
             (docs/data.md), so demonstrations of turned, mirrored and shifted scenes count too.
@@ -81,6 +83,7 @@ class ExternalArm:
     action: ActionPart = field(default_factory=ActionPart)
     path: Path | None = None
     robot_type: str | None = None
+    resample: float | None = None
     environments: dict[str, EnvironmentParams] = field(default_factory=dict)
     cartesian: bool = False
 
@@ -89,6 +92,21 @@ class ExternalArm:
             for what in ("path", "observation"):
                 if not (getattr(task, what) or getattr(self, what)):
                     raise ValueError(f"no {what} for task {name!r}, nor one of the arm")
+        if self.resample is not None and not 0 < self.resample <= self.fps:
+            raise ValueError(
+                f"resample: fewer than the {self.fps:g} control steps a second that were recorded, "
+                f"found {self.resample:g}; resample the faster one of two arms"
+            )
+        if (self.resample is None) != (self.action.deltas is None):
+            raise ValueError(
+                "'resample' and the action's 'deltas' go together: of the numbers of the action, "
+                "those that are changes or speeds are averaged over a step ([]: none is)"
+            )
+
+    @property
+    def rate(self) -> float:
+        """Control steps per second, as models see them."""
+        return self.resample or self.fps
 
     def dataset(self, task: str) -> Path:
         """The folder of a task's dataset."""

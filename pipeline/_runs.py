@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from lfr.environments.simulation import ExternalTarget, external_target
 from lfr.errors import ParameterError
 from lfr.external import ExternalArm
-from lfr.external_simulation import ExternalTarget, external_target
 from lfr.params import PARAMS
 from lfr.scenarios import Role, Transfer
 from lfr.skills.library import RoleModels

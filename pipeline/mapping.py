@@ -4,10 +4,10 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
+from lfr.environments.simulation import external_target
 from lfr.evaluation.chain import chain_trials, train_and_measure
 from lfr.evaluation.protocol import EvaluateParams
 from lfr.external import ExternalArm, external_arms, without_environments
-from lfr.external_simulation import external_target
 from lfr.mapping.mapping_jobs import mapping_job
 from lfr.mapping.mapping_params import MappingParams
 from lfr.params import read_section

@@ -21,7 +21,7 @@ from mcap.writer import CompressionType, Writer
 from lfr.artifacts import parse_json, write_whole
 from lfr.curation.salvage import Salvage, salvage
 from lfr.data import messages
-from lfr.data.log_reader import PER_FRAME, read_log
+from lfr.data.log_reader import ALWAYS, PER_FRAME, read_log
 from lfr.data.mcap_file import open_whole
 from lfr.errors import DataError
 
@@ -142,7 +142,7 @@ def _whole_frames(saved: Salvage) -> tuple[list[Message], int]:
     for message in saved.messages:
         times[_topic(saved, message)].add(message.log_time)
     needed = [topic for topic in times if _per_frame(topic)]
-    if not set(PER_FRAME) <= set(needed):
+    if not set(ALWAYS) <= set(needed):
         return [], 0
     states = sorted(times[messages.SIMULATOR_STATE])
     whole = set.intersection(*(times[topic] for topic in needed))

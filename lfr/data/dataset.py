@@ -55,7 +55,7 @@ def pack_dataset(
             for log in logs:
                 writer.add(Path(log))
             writer.finish()
-        check_dataset(partial, fps=fps)
+        check_dataset(partial, features=writer.kind.episode.schema, fps=fps)
         episodes = ((Path(log), read_log(Path(log)).features) for log in logs)
         compare_with_sources(partial, f"lfr/{Path(out).name}", episodes)
     return {

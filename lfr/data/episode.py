@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -101,6 +101,18 @@ def features_of(body: Embodiment, task: Task) -> dict[str, Feature]:
     return features(*names, body.controller.about(body.robot))
 
 
+NOT_OBSERVATION = (JOINT_POSITION, ACTION, REWARD, SUCCESS, DONE)
+
+
+def observed(features: Iterable[str]) -> tuple[str, ...]:
+    """Of the features those that a log's observation holds one after the other, in their order.
+
+    `observation.state` and `observation.environment_state` come first, others by their names.
+    """
+    found = [key for key in features if key not in NOT_OBSERVATION]
+    return tuple(sorted(found, key=lambda key: (key != STATE, key != ENVIRONMENT_STATE, key)))
+
+
 @dataclass(frozen=True)
 class EpisodeInfo:
     """What is known of an episode before its first frame, and kept with it.
@@ -112,6 +124,7 @@ class EpisodeInfo:
         features: what is recorded, by key.
         attempt: counts the tries of this seed or worker; failed ones are not kept.
         controller: robosuite's name of the controller.
+        fps: control steps, which are frames, per second.
         extra: whatever else the recorder knows.
     """
 
@@ -122,6 +135,7 @@ class EpisodeInfo:
     features: Mapping[str, Feature]
     attempt: int = 0
     controller: str = ""
+    fps: int = FPS
     extra: Mapping[str, str] = field(default_factory=dict)
 
     @classmethod
@@ -141,8 +155,8 @@ class EpisodeInfo:
 
     @property
     def observation_names(self) -> tuple[str, ...]:
-        """Of observation.state, then of observation.environment_state."""
-        return (*self.names(STATE), *self.names(ENVIRONMENT_STATE))
+        """Of all that is observed, in the order of `observed`."""
+        return tuple(name for key in observed(self.features) for name in self.names(key))
 
     def names(self, key: str) -> tuple[str, ...]:
         """Of a feature's dimensions."""

@@ -8,6 +8,7 @@ import numpy as np
 
 from lfr.data.checks import check_dataset
 from lfr.data.episode import Feature
+from lfr.data.resample import resampled
 from lfr.data.selection import Chosen, Selection, select, unreadable
 from lfr.data.tables import DatasetFiles
 from lfr.data.windows import DemonstrationSet, read_dataset
@@ -19,7 +20,7 @@ TOLERANCE = 1e-3  # of an action beyond [-1, 1]: bounds that were copied with fo
 
 
 def read_external(arm: ExternalArm, task: str) -> DemonstrationSet:
-    """An arm's demonstrations of one task.
+    """An arm's demonstrations of one task, at the rate at which models see them.
 
     Raises:
         DataError: the dataset is missing or not what the mapping says: a column or dimension is
@@ -34,7 +35,12 @@ def read_external(arm: ExternalArm, task: str) -> DemonstrationSet:
     check_dataset(path, features=needed, fps=arm.fps, robot=arm.robot_type)
     found = read_dataset(path, columns, arm.instruction(task))
     _check_bounds(path / "data", columns.action.column, found)
-    return found
+    if arm.resample is None:
+        return found
+    try:
+        return resampled(found, arm.resample, columns.action.deltas or ())
+    except ValueError as error:
+        raise DataError(str(error), file=path, column=columns.action.column) from None
 
 
 def selected(arm: ExternalArm, task: str) -> Selection:

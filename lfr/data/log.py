@@ -1,6 +1,6 @@
 """An episode's own MCAP file, written while the episode happens.
 
-Topics, all at simulated time t / 20 s:
+Topics, all at simulated time t / fps:
 
     /joint_states            foxglove.JointStates      positions (rad), velocities (rad/s)
     /tf                      foxglove.FrameTransforms  world -> each body, object, camera (m)
@@ -29,7 +29,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lfr.artifacts import provenance
 from lfr.data import messages
-from lfr.data.episode import ACTION, FPS, JOINT_POSITION, EpisodeInfo
+from lfr.data.episode import ACTION, JOINT_POSITION, EpisodeInfo
 from lfr.data.mcap_writer import McapWriter
 from lfr.data.messages import CameraModel, Pose
 
@@ -44,15 +44,16 @@ SEED_NS = 100 * 10**9
 class Frame:
     """One control step t: what was observed before the action, the action, and what came of it.
 
-    `observation` (D,) is observation.state followed by observation.environment_state,
-    `simulator_state` (S,) the state before the action, `body_poses` positions (3,) in metres and
+    `observation` (D,) is observation.state followed by observation.environment_state and whatever
+    else is observed (`lfr.data.episode.observed`), `simulator_state` (S,) the state before the
+    action, nothing where it cannot be had, `body_poses` positions (3,) in metres and
     quaternions (4,) wxyz in the world, those of cameras that move among them, `images` (H, W, 3)
     uint8. `executed_action` (A,) is what the simulator was given, where noise was added to
     `action`, which is then the label to learn.
     """
 
     observation: NDArray[np.float64]
-    joint_position: NDArray[np.float64]
+    joint_position: NDArray[np.float64] | None
     action: NDArray[np.float64]
     reward: float
     success: bool
@@ -110,10 +111,11 @@ class EpisodeLog:
         self._log_record(messages.REWARD, [frame.reward], now)
         self._log_record(messages.SUCCESS, [frame.success], now)
         self._log_record(messages.SIMULATOR_STATE, frame.simulator_state, now)
-        joints = messages.joint_states(
-            self._info.names(JOINT_POSITION), frame.joint_position, frame.joint_velocity, now
-        )
-        self._file.log(messages.JOINT_STATES, joints, now)
+        if frame.joint_position is not None:
+            joints = messages.joint_states(
+                self._info.names(JOINT_POSITION), frame.joint_position, frame.joint_velocity, now
+            )
+            self._file.log(messages.JOINT_STATES, joints, now)
         self._log_transforms(frame.body_poses, now)
         for camera, image in frame.images.items():
             self._log_image(camera, image, now)
@@ -167,11 +169,11 @@ class EpisodeLog:
             self.abandon()
 
     def _now(self) -> int:
-        return self._start + self._frames * (10**9 // FPS)
+        return self._start + self._frames * (10**9 // self._info.fps)
 
     def _write_metadata(self) -> None:
         info, keys = self._info, ("robot", "task", "seed", "instruction", "attempt", "controller")
-        named = {**{key: getattr(info, key) for key in keys}, "fps": FPS, **info.extra}
+        named = {**{key: getattr(info, key) for key in keys}, "fps": info.fps, **info.extra}
         schema = {
             key: {"dtype": f.dtype, "shape": f.shape, "names": f.names, "about": f.about}
             for key, f in self._info.features.items()

@@ -19,25 +19,19 @@ from lfr.data import messages
 from lfr.data.episode import (
     ACTION,
     DONE,
-    ENVIRONMENT_STATE,
-    FEATURES,
     JOINT_POSITION,
     REWARD,
     STATE,
     SUCCESS,
     Episode,
+    observed,
 )
 from lfr.data.mcap_file import open_whole
 from lfr.data.messages import EXECUTED_ACTION, SIMULATOR_STATE, CameraModel
 from lfr.errors import DataError
 
-PER_FRAME = (
-    messages.OBSERVATION,
-    messages.ACTION,
-    messages.REWARD,
-    messages.SUCCESS,
-    messages.JOINT_STATES,
-)
+ALWAYS = (messages.OBSERVATION, messages.ACTION, messages.REWARD, messages.SUCCESS)
+PER_FRAME = (*ALWAYS, messages.JOINT_STATES)  # where joints are recorded
 STRUCTURED = ("features", "outcome")  # metadata records whose values are JSON
 INTEGERS = ("seed", "attempt", "fps")  # in the record `episode`
 
@@ -98,12 +92,15 @@ def _episode(
             raise ValueError(f"{key} {value!r:.40}")
     if not isinstance(metadata["outcome"]["success"], bool):
         raise ValueError(f"success {metadata['outcome']['success']!r:.40}")
-    for feature in FEATURES:
-        if feature.key not in metadata["features"]:
-            found = ", ".join(metadata["features"])
-            raise DataError("a feature is missing", file=path, column=feature.key, found=found)
+    features, seen = metadata["features"], observed(metadata["features"])
+    for key in (*(() if seen else (STATE,)), ACTION, REWARD, SUCCESS, DONE):
+        if key not in features:
+            found = ", ".join(features)
+            raise DataError("a feature is missing", file=path, column=key, found=found)
     frames = metadata["outcome"]["frames"]
-    counts = {topic: (len(values.get(topic, ())), frames) for topic in PER_FRAME}
+    joints = (JOINT_POSITION,) if JOINT_POSITION in features else ()
+    per_frame = PER_FRAME if joints else ALWAYS
+    counts = {topic: (len(values.get(topic, ())), frames) for topic in per_frame}
     counts[SIMULATOR_STATE] = (len(values.get(SIMULATOR_STATE, ())), frames + 1)
     counts |= {messages.CAMERA + name: (len(files), frames) for name, files in images.items()}
     if EXECUTED_ACTION in values:
@@ -117,18 +114,17 @@ def _episode(
                 found=f"{found} messages",
                 expected=expected,
             )
-    # MCAP sorts a record by key; the order of FEATURES is that of the columns below
-    schema = {f.key: metadata["features"][f.key] for f in FEATURES}
-    rows = {topic: _stack(values[topic], topic, path) for topic in (*PER_FRAME, SIMULATOR_STATE)}
+    # MCAP sorts a record by key; this is the order of the columns below
+    schema = {key: features[key] for key in (*seen, *joints, ACTION, REWARD, SUCCESS, DONE)}
+    rows = {topic: _stack(values[topic], topic, path) for topic in (*per_frame, SIMULATOR_STATE)}
     executed = values.get(EXECUTED_ACTION, values[messages.ACTION])
     observation = rows[messages.OBSERVATION]
-    split = len(schema[STATE]["names"])
+    splits = np.cumsum([len(schema[key]["names"]) for key in seen])[:-1]
     done = np.zeros(frames, bool)
     done[-1:] = True
     columns = {
-        STATE: observation[:, :split],
-        ENVIRONMENT_STATE: observation[:, split:],
-        JOINT_POSITION: rows[messages.JOINT_STATES],
+        **dict(zip(seen, np.split(observation, splits, axis=1), strict=True)),
+        **{key: rows[messages.JOINT_STATES] for key in joints},
         ACTION: rows[messages.ACTION],
         REWARD: rows[messages.REWARD][:, 0],
         SUCCESS: rows[messages.SUCCESS][:, 0],

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from lfr.columns import Columns
@@ -22,12 +22,15 @@ class OwnColumns:
     Attributes:
         features: of the columns that it needs, as the dataset describes them.
         selection: which of their numbers, and what the action's are.
-        fps: control steps per second.
+        fps: control steps per second, of which the policy's actions are carried out for several
+            where it is asked less often.
+        ratio: control steps to one of the policy's (`lfr.data.resample`).
     """
 
     features: dict[str, Any]
     selection: Selection
     fps: float
+    ratio: float = 1.0
 
     def described(self) -> dict[str, Any]:
         """As `lfr.lerobot_plugin.columns_processor` wants it, and JSON can hold it."""
@@ -35,11 +38,15 @@ class OwnColumns:
         return {
             "observation": [
                 {"column": part.column, "size": self.size_of(part.column),
-                 "places": list(part.places), "names": list(part.names), "unit": part.unit}
+                 "places": list(part.places), "names": list(part.names),
+                 "conversion": asdict(part.conversion),
+                 "minus": part.minus and {"column": part.minus[0], "places": list(part.minus[1]),
+                                          "size": self.size_of(part.minus[0])}}
                 for part in self.selection.observation
             ],
             "action": {"names": list(space.names), "places": list(action.places),
                        "low": list(space.low), "high": list(space.high)},
+            "ratio": self.ratio,
         }  # fmt: skip
 
     def size_of(self, column: str) -> int:
@@ -74,10 +81,10 @@ def own_columns(
     dataset, selection = found
     files = DatasetFiles.open(arm.dataset(dataset))
     _check_whole(files, selection)
-    needed = dict.fromkeys([*(part.column for part in selection.observation),
-                            selection.action.column])  # fmt: skip
+    observed = [column for part in selection.observation for column in part.columns]
+    needed = dict.fromkeys([*observed, selection.action.column])
     features = {column: files.features[column] for column in needed}
-    return OwnColumns(features, selection, arm.fps)
+    return OwnColumns(features, selection, arm.fps, arm.fps / arm.rate)
 
 
 def _selected_as(arm: ExternalArm, task: str) -> Selection:

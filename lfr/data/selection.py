@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from itertools import groupby
 
+from numpy.typing import NDArray
+
 from lfr.columns import ActionPart, ActionSpace, Columns, Part
+from lfr.conversion import AS_IT_IS, Conversion
 from lfr.data.episode import ACTION, ENVIRONMENT_STATE, STATE
 from lfr.data.features import dimension_names
 from lfr.data.tables import DatasetFiles
@@ -19,12 +22,36 @@ RECORDED = Columns((Part(STATE), Part(ENVIRONMENT_STATE)), ActionPart(ACTION))
 
 @dataclass(frozen=True)
 class Chosen:
-    """The dimensions of one column, by number, and what they are called here."""
+    """The dimensions of one column, by number, and what they become and are called here.
+
+    Attributes:
+        minus: column and places of what is taken off them.
+    """
 
     column: str
     places: tuple[int, ...]
     names: tuple[str, ...]
-    unit: float = 1.0
+    conversion: Conversion = AS_IT_IS
+    minus: tuple[str, tuple[int, ...]] | None = None
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """The names of all that it is made of."""
+        return (self.column, *((self.minus[0],) if self.minus else ()))
+
+    def values(self, column: Callable[[str], NDArray]) -> NDArray:
+        """(..., D) as models know them.
+
+        Args:
+            column: the numbers (..., n) of a column by its name.
+
+        Raises:
+            ValueError: no unit quaternion.
+        """
+        found = _at(column(self.column), self.places)
+        if self.minus is not None:
+            found = found - _at(column(self.minus[0]), self.minus[1])
+        return self.conversion(found, self.names)
 
 
 @dataclass(frozen=True)
@@ -47,7 +74,7 @@ def select(files: DatasetFiles, columns: Columns) -> Selection:
         DataError: a column or dimension is missing or is no vector of numbers, a name stands for
             two, or bounds do not fit the action. It names column, found and expected.
     """
-    observation = tuple(_choose(files, part, part.unit) for part in columns.observation)
+    observation = tuple(_part(files, part) for part in columns.observation)
     names = [name for part in observation for name in part.names]
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
@@ -55,6 +82,8 @@ def select(files: DatasetFiles, columns: Columns) -> Selection:
             "two dimensions of the observation have one name; give them others under 'names'",
             file=_info(files), found=twice,
         )  # fmt: skip
+    for part in observation:
+        _check_conversion(files, part)
     action = _choose(files, columns.action)
     return Selection(observation, action, _space(files, columns.action, action))
 
@@ -77,7 +106,36 @@ def _info(files: DatasetFiles) -> str:
     return str(files.path / "meta" / "info.json")
 
 
-def _choose(files: DatasetFiles, part: Part | ActionPart, unit: float = 1.0) -> Chosen:
+def _at(values: NDArray, places: tuple[int, ...]) -> NDArray:
+    return values if places == tuple(range(values.shape[-1])) else values[..., list(places)]
+
+
+def _part(files: DatasetFiles, part: Part) -> Chosen:
+    found = _choose(files, part, part.conversion)
+    if part.minus is None:
+        return found
+    other = _choose(files, ActionPart(part.minus.column, part.minus.dims))
+    if len(other.places) != len(found.places):
+        raise DataError(
+            "another number of dimensions under 'minus'", file=_info(files), column=part.column,
+            found=len(other.places), expected=len(found.places),
+        )  # fmt: skip
+    return replace(found, minus=(other.column, other.places))
+
+
+def _check_conversion(files: DatasetFiles, part: Chosen) -> None:
+    """Names that cannot be read are told by others, in what reads the arms of params.yaml."""
+    if unreadable(part.names):
+        return
+    try:
+        part.conversion.check(part.names)
+    except ValueError as error:
+        raise DataError(str(error), file=_info(files), column=part.column) from None
+
+
+def _choose(
+    files: DatasetFiles, part: Part | ActionPart, conversion: Conversion = AS_IT_IS
+) -> Chosen:
     if part.column not in files.features:
         raise DataError(
             "a column is missing", file=_info(files), column=part.column,
@@ -93,12 +151,14 @@ def _choose(files: DatasetFiles, part: Part | ActionPart, unit: float = 1.0) -> 
     given = dimension_names(feature, part.column)
     places = tuple(_place(files, part.column, one, given) for one in part.dims or range(len(given)))
     names = part.names or tuple(given[place] for place in places)
-    if len(names) != len(places):
+    if (len(places), len(names)) != (conversion.sizes or (len(places),) * 2):
+        wanted = conversion.sizes or (len(places), len(places))
         raise DataError(
             "another number of names than dimensions", file=_info(files), column=part.column,
-            found=f"{len(names)} names", expected=f"{len(places)}: {', '.join(given)}",
+            found=f"{len(names)} names for {len(places)} dimensions",
+            expected=f"{wanted[1]} for {wanted[0]}, of {', '.join(given)}",
         )  # fmt: skip
-    return Chosen(part.column, places, names, unit)
+    return Chosen(part.column, places, names, conversion)
 
 
 def _place(files: DatasetFiles, column: str, one: str | int, given: Sequence[str]) -> int:

@@ -49,7 +49,7 @@ class DemonstrationSet:
     action_space: ActionSpace
     robot: str
     task: str
-    fps: int
+    fps: float
     seeds: tuple[int, ...] = ()
     joint_positions: Tensor | None = None
 
@@ -175,8 +175,10 @@ def read_dataset(
             found=len(table),
             expected=int(lengths.sum()),
         )
-    observation = np.concatenate([_taken(table, part) for part in chosen.observation], axis=1)
-    action = chosen.space.normalized(_taken(table, chosen.action))
+    observation = np.concatenate(
+        [_taken(table, part, files) for part in chosen.observation], axis=1
+    )
+    action = chosen.space.normalized(_taken(table, chosen.action, files))
     seeds = files.episodes["seed"].to_pylist() if "seed" in files.episodes.column_names else ()
     found = DemonstrationSet(
         observations=torch.from_numpy(np.asarray(observation, np.float32)),
@@ -218,13 +220,17 @@ def episodes_of(files: DatasetFiles, instruction: str) -> list[int]:
     return episodes
 
 
-def _taken(table: pa.Table, part: Chosen) -> NDArray:
-    """(N, D) of a column's chosen dimensions, divided by its unit."""
-    values = tables.values(table, part.column)
-    values = values.reshape(len(values), -1)
-    if part.places != tuple(range(values.shape[1])):
-        values = values[:, part.places]
-    return values if part.unit == 1.0 else values / part.unit
+def _taken(table: pa.Table, part: Chosen, files: DatasetFiles) -> NDArray:
+    """(N, D) of a column's chosen dimensions, as models know them."""
+
+    def column(name: str) -> NDArray:
+        values = tables.values(table, name)
+        return values.reshape(len(values), -1)
+
+    try:
+        return part.values(column)
+    except ValueError as error:
+        raise DataError(str(error), file=files.path / "data", column=part.column) from None
 
 
 def _vectors(table: pa.Table, column: str) -> Tensor:

@@ -6,7 +6,7 @@ import math
 import os
 import shutil
 import sys
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -76,30 +76,59 @@ def record_demonstrations(
         LfrError: the expert succeeds too seldom.
     """
     cameras = params.cameras if _can_draw(params.cameras) else ()
+
+    def job(seed: int) -> Job:
+        spec = AttemptJob(robot, task, seed, str(work), params.attempt, cameras)
+        return Job(record_attempt, spec)
+
+    try:
+        found = record_successes(
+            job, params.episodes, params.most_attempts, out, work, f"record {robot}-{task}"
+        )
+    except TooFewSuccesses as error:
+        raise LfrError(
+            f"the expert succeeded in {error} at {task} on {robot}; mend record.attempt"
+        ) from None
+    return {**found, "cameras": [camera.name for camera in cameras]}
+
+
+class TooFewSuccesses(LfrError):
+    """How many of how many attempts have succeeded, and how many were expected."""
+
+
+def record_successes(
+    job: Callable[[int], Job],
+    wanted: int,
+    most_attempts: float,
+    out: Path,
+    work: Path,
+    description: str,
+) -> dict[str, Any]:
+    """Attempt seed after seed until enough succeed; their logs, in order, go to ``out``.
+
+    Args:
+        job: of the seed of one attempt; it leaves its log at `log_path` of ``work`` if it succeeds,
+            and gives seed, success and frames.
+        most_attempts: for each that is wanted, before it is given up.
+
+    Raises:
+        TooFewSuccesses: then.
+    """
     attempts: list[dict[str, Any]] = []
     kept: list[dict[str, Any]] = []
-    most = math.ceil(params.most_attempts * params.episodes)
-    while len(kept) < params.episodes:
+    most = math.ceil(most_attempts * wanted)
+    while len(kept) < wanted:
         if len(attempts) >= most:
-            raise LfrError(
-                f"the expert succeeded in {len(kept)} of {len(attempts)} attempts at {task} on "
-                f"{robot}; expected {params.episodes} successes; mend record.attempt"
+            raise TooFewSuccesses(
+                f"{len(kept)} of {len(attempts)} attempts, expected {wanted} successes,"
             )
-        missing = params.episodes - len(kept)
+        missing = wanted - len(kept)
         # After a first round, a few more than are missing: another round costs another start.
         count = math.ceil(1.5 * missing) if attempts else missing
         seeds = range(len(attempts), min(len(attempts) + count, most))
-        specs = [
-            AttemptJob(
-                robot, task, episode_seed("demonstration", seed), str(work), params.attempt, cameras
-            )
-            for seed in seeds
-        ]
-        jobs = [Job(record_attempt, spec) for spec in specs]
-        attempts += run_jobs(
-            jobs, work=work, description=f"record {robot}-{task}", unit="attempt"
-        ).values()
-        kept = [one for one in attempts if one["success"]][: params.episodes]
+        jobs = [job(episode_seed("demonstration", seed)) for seed in seeds]
+        attempts += run_jobs(jobs, work=work, description=description, unit="attempt").values()
+        kept = [one for one in attempts if one["success"]][:wanted]
     with write_whole(out) as partial:
         partial.mkdir()
         for number, one in enumerate(kept):
@@ -120,7 +149,6 @@ def record_demonstrations(
         },
         "seeds": {"first": kept[0]["seed"], "last": kept[-1]["seed"]},
         "failed_seeds": [one["seed"] for one in attempts if not one["success"]],
-        "cameras": [camera.name for camera in cameras],
     }
 
 

@@ -26,8 +26,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from lfr.environments.simulation import ExternalTarget
 from lfr.evaluation.trials import Trial, success_rate, trial_jobs
-from lfr.external_simulation import ExternalTarget
 from lfr.jobs import Job, run_jobs
 from lfr.mapping.mapped_policy import MappedFiles
 from lfr.mapping.mapping_jobs import MappingJob, fit_mapping

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from lfr.data.external import selected
+from lfr.environments.simulation import external_target
 from lfr.evaluation.trials import Trial, success_rate, trial_jobs
 from lfr.external import ExternalArm
-from lfr.external_simulation import external_target
 from lfr.jobs import run_jobs
 from lfr.skills.model_jobs import ModelJobs, PriorsTraining, model_report
 from lfr.skills.skill_policy import SkillFiles

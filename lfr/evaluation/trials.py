@@ -11,9 +11,9 @@ from typing import Any, Literal
 
 import numpy as np
 
+from lfr.environments.simulation import ExternalTarget
 from lfr.errors import UnknownNameError
 from lfr.evaluation.success_rate import success_of
-from lfr.external_simulation import ExternalTarget
 from lfr.jobs import Job, run_jobs
 from lfr.policies import Outcome, PolicySource, Simulated, roll_out
 from lfr.seeds import episode_seed

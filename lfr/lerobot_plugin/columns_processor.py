@@ -15,10 +15,14 @@ from typing import Any
 import torch
 from lerobot.configs import PipelineFeatureType, PolicyFeature
 from lerobot.processor import ObservationProcessorStep, PolicyActionProcessorStep
+from numpy.typing import NDArray
 from torch import Tensor
 
 from lfr.columns import ActionSpace
+from lfr.conversion import Conversion
+from lfr.data.selection import Chosen
 from lfr.errors import LfrError
+from lfr.records import from_mapping
 
 SELECTED = "observation.selected"
 Features = dict[PipelineFeatureType, dict[str, PolicyFeature]]
@@ -30,7 +34,8 @@ class SelectColumns(ObservationProcessorStep):
 
     Attributes:
         parts: one after the other, each with ``column``, its ``size``, the ``places`` of the
-            numbers in it, their ``names`` and ``unit``, which they are divided by.
+            numbers in it, the ``names`` of what they become, the ``conversion`` by which, and
+            ``minus``, column, size and places of what is taken off them before that, or None.
     """
 
     parts: list[dict[str, Any]] = field(default_factory=list)
@@ -48,17 +53,29 @@ class SelectColumns(ObservationProcessorStep):
 
     @staticmethod
     def _taken(observation: dict[str, Any], part: dict[str, Any]) -> Tensor:
-        column, size = part["column"], part["size"]
-        values = observation.get(column)
-        if values is None:
-            raise LfrError(f"{column} is missing, of which the policy needs {_listed(part)}")
-        if values.shape[-1] != size:
-            raise LfrError(
-                f"{column} has {values.shape[-1]} numbers, expected {size} as in the datasets that "
-                "the policy was trained on"
-            )
-        taken = values[..., part["places"]]
-        return taken if part["unit"] == 1.0 else taken / part["unit"]
+        minus, how = part["minus"], part["conversion"]
+        sizes = {one["column"]: one["size"] for one in (part, minus) if one}
+
+        def column(name: str) -> NDArray:
+            values = observation.get(name)
+            if values is None:
+                raise LfrError(f"{name} is missing, of which the policy needs {_listed(part)}")
+            if values.shape[-1] != sizes[name]:
+                raise LfrError(
+                    f"{name} has {values.shape[-1]} numbers, expected {sizes[name]} as in the "
+                    "datasets that the policy was trained on"
+                )
+            return values.cpu().numpy()
+
+        chosen = Chosen(
+            part["column"], tuple(part["places"]), tuple(part["names"]),
+            from_mapping(Conversion, how, part["column"]),
+            minus and (minus["column"], tuple(minus["places"])),
+        )  # fmt: skip
+        try:
+            return torch.from_numpy(chosen.values(column)).to(observation[part["column"]].device)
+        except ValueError as error:
+            raise LfrError(f"{part['column']}: {error}") from None
 
 
 @dataclass

@@ -12,6 +12,7 @@ from lerobot.policies.pretrained import PreTrainedPolicy
 from lerobot.utils.constants import ACTION, OBS_ENV_STATE, OBS_STATE
 from torch import Tensor, nn
 
+from lfr.data.resample import frames_of
 from lfr.errors import LfrError
 from lfr.lerobot_plugin.columns_processor import SELECTED
 from lfr.lerobot_plugin.configuration_lfr import ActionFeature, LfrConfig
@@ -41,7 +42,9 @@ class LfrPolicy(PreTrainedPolicy):
         self._actor = actor_of(networks, config.distribution, config.min_sigma)
         self._task = config.task_name
         self._observed = (SELECTED,) if config.columns else (OBS_STATE, OBS_ENV_STATE)
+        self._ratio = float(config.columns.get("ratio", 1.0))  # control steps to an action
         self._waiting: list[deque[Tensor]] = []  # of each row
+        self._chosen: list[int] = []  # actions of each row since its episode began
 
     @classmethod
     def from_pretrained(
@@ -53,6 +56,7 @@ class LfrPolicy(PreTrainedPolicy):
     def reset(self) -> None:
         """Forget the skill under way; an episode begins."""
         self._waiting.clear()
+        self._chosen.clear()
 
     @torch.no_grad()
     def select_action(self, batch: dict[str, Tensor], **_: Any) -> Tensor:
@@ -63,11 +67,12 @@ class LfrPolicy(PreTrainedPolicy):
         """
         rows = len(batch[self._observed[0]])
         if len(self._waiting) != rows:
-            self._waiting = [deque() for _ in range(rows)]
+            self._waiting, self._chosen = [deque() for _ in range(rows)], [0] * rows
         if not all(self._waiting):
-            for waiting, skill in zip(self._waiting, self._skills(batch), strict=True):
-                if not waiting:
-                    waiting.extend(skill)
+            for row, skill in enumerate(self._skills(batch)):
+                if not self._waiting[row]:
+                    self._waiting[row].extend(self._repeated(skill, self._chosen[row]))
+                    self._chosen[row] += len(skill)
         return torch.stack([waiting.popleft() for waiting in self._waiting])
 
     @torch.no_grad()
@@ -77,8 +82,13 @@ class LfrPolicy(PreTrainedPolicy):
         Raises:
             LfrError: an observation of another size than the policy's task has.
         """
-        skills = self._skills(batch)
+        skills = [self._repeated(skill, 0) for skill in self._skills(batch)]
         return torch.stack([skill[: min(map(len, skills))] for skill in skills])
+
+    def _repeated(self, skill: Tensor, chosen: int) -> Tensor:
+        """Actions (n, A), each for as many control steps as it lasts; ``chosen`` came before."""
+        lasts = [frames_of(chosen + step, self._ratio) for step in range(len(skill))]
+        return skill.repeat_interleave(torch.tensor(lasts), dim=0)
 
     def _skills(self, batch: dict[str, Tensor]) -> Sequence[Tensor]:
         """The actions of the next skill of each row, (n, A), as many as are carried out of it."""

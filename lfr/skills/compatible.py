@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from itertools import zip_longest
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,7 @@ from lfr.scenarios import Scenario, transfers_of
 from lfr.spaces import space
 from lfr.tasks import TASKS
 
+Array = NDArray[np.float64]
 APART = 30.0  # times as wide: a radian is 57 degrees, a metre 1000 millimetres
 
 
@@ -36,11 +38,11 @@ def check_arms(scenario: Scenario, arms: Mapping[str, ExternalArm]) -> None:
     if not arms:
         return
     first, second = scenario.robots
-    rates = [arms[robot].fps if robot in arms else FPS for robot in (first, second)]
+    rates = [arms[robot].rate if robot in arms else FPS for robot in (first, second)]
     if rates[0] != rates[1]:
         raise DataError(
             f"{second} has another fps than {first}, so their skills would last differently; "
-            "resample one of them",
+            "`resample` the faster one",
             file="params.yaml", column="external.arms", found=rates[1], expected=rates[0],
         )  # fmt: skip
     for task in scenario.common:
@@ -76,12 +78,18 @@ def _ranges(arm: ExternalArm, task: str) -> NDArray[np.float64] | None:
         return None
     stats, found = read_json(file), []
     for part in selected(arm, task).observation:
-        known = stats.get(part.column, {})
-        if not {"min", "max"} <= set(known):
+        if not all({"min", "max"} <= set(stats.get(column, {})) for column in part.columns):
             return None
-        bounds = np.array([known["min"], known["max"]], np.float64)
-        found.append(bounds[:, part.places].T / part.unit)
+        low, high = _ends(stats, part.column, part.places)
+        if part.minus is not None:
+            least, most = _ends(stats, *part.minus)
+            low, high = low - most, high - least
+        found.append(np.stack(part.conversion.bounds(low, high, part.names), axis=1))
     return np.concatenate(found)
+
+
+def _ends(stats: Mapping[str, Any], column: str, places: tuple[int, ...]) -> list[Array]:
+    return [np.array(stats[column][end], np.float64)[list(places)] for end in ("min", "max")]
 
 
 def _shown(bounds: NDArray[np.float64]) -> str:

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from lfr.data.episode import ACTION, IMAGES, Episode
 from lfr.errors import LfrError
+from lfr.lerobot_policy import LeRobotPolicy
 from lfr.view import action, series
 from lfr.view.action import own_action
 from lfr.view.collection import EPISODE_ALONE, Overlay
@@ -32,8 +33,6 @@ if TYPE_CHECKING:
 
     from lfr.view.motion import Poses
 
-PLUGIN = "lfr.lerobot_plugin"  # by which LeRobot finds this project's policies
-
 
 def policy_overlay(folder: Path, overlay: Overlay = EPISODE_ALONE) -> Overlay:
     """The actions of the policy in a folder, beside what another overlay shows.
@@ -41,7 +40,7 @@ def policy_overlay(folder: Path, overlay: Overlay = EPISODE_ALONE) -> Overlay:
     Raises:
         LfrError: there is no policy that LeRobot can load.
     """
-    asked = _loaded(folder)
+    asked = LeRobotPolicy(folder)
 
     def log(recording: rr.RecordingStream, episode: Episode, poses: Poses) -> None:
         overlay.log(recording, episode, poses)
@@ -50,50 +49,15 @@ def policy_overlay(folder: Path, overlay: Overlay = EPISODE_ALONE) -> Overlay:
     return replace(overlay, log=log)
 
 
-def _loaded(folder: Path) -> tuple[Any, Any, Any]:
-    """Policy, and the processors before and after it."""
-    from lerobot.configs import PreTrainedConfig
-    from lerobot.configs.parser import load_plugin
-    from lerobot.policies import get_policy_class, make_pre_post_processors
-    from lerobot.utils.import_utils import register_third_party_plugins
-
-    if not (folder / "config.json").is_file():
-        raise LfrError(f"--policy {folder}: no policy in LeRobot's format; `lfr export` writes one")
-    register_third_party_plugins()
-    load_plugin(PLUGIN)
-    try:
-        config = PreTrainedConfig.from_pretrained(folder)
-        config.pretrained_path = folder
-        policy = get_policy_class(config.type).from_pretrained(folder, config=config)
-        return policy.eval(), *make_pre_post_processors(config, str(folder))
-    except LfrError:
-        raise
-    except Exception as error:  # draccus, safetensors and LeRobot each raise their own
-        raise LfrError(f"--policy {folder}: LeRobot cannot load it: {error}") from error
-
-
-def _actions(asked: tuple[Any, Any, Any], episode: Episode, folder: Path) -> NDArray[np.float64]:
+def _actions(policy: LeRobotPolicy, episode: Episode, folder: Path) -> NDArray[np.float64]:
     """(T, A) at the recorded frames, one after the other."""
-    import torch
-
-    policy, before, after = asked
-    needed = list(policy.config.input_features or ())
     task = str(episode.metadata.get("instruction") or episode.task)
-    columns = {key: _column(episode, key, folder) for key in needed}
+    columns = {key: _column(episode, key, folder) for key in policy.columns}
     policy.reset()
-    found = []
-    try:
-        with torch.inference_mode():
-            for frame in range(len(episode)):
-                batch: dict[str, Any] = {
-                    key: torch.as_tensor(values[frame])[None] for key, values in columns.items()
-                }
-                found.append(after(policy.select_action(before({**batch, "task": [task]})))[0])
-    except LfrError:
-        raise
-    except Exception as error:  # whatever a policy of somebody's raises
-        raise LfrError(f"--policy {folder} does not act on this episode: {error}") from error
-    actions = torch.stack(found).double().numpy()
+    actions = np.array(
+        [policy.act({key: values[frame] for key, values in columns.items()}, task)
+         for frame in range(len(episode))]
+    )  # fmt: skip
     recorded = np.asarray(episode.features[ACTION])
     recorded = recorded.reshape(len(recorded), -1)
     if actions.shape[1:] != recorded.shape[1:]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import Any
 
 import gymnasium
@@ -16,7 +17,8 @@ class Plane(gymnasium.Env):
 
     Args:
         quadrant: where the goals lie.
-        breaks: raises an exception in each episode.
+        breaks: in each episode: "raises", or "exits" with its whole process; True raises.
+        broken: the method that does nothing but raise.
         drifts: does not repeat itself from a seed.
         box: observes the vector itself, in no dictionary.
     """
@@ -27,16 +29,18 @@ class Plane(gymnasium.Env):
     task = "park"
 
     def __init__(
-        self, quadrant: tuple[int, int] = (1, -1), breaks: bool = False, drifts: bool = False,
-        box: bool = False, success: str = "is_success",
+        self, quadrant: tuple[int, int] = (1, -1), breaks: bool | str = False,
+        drifts: bool = False, box: bool = False, success: str = "is_success", broken: str = "",
     ) -> None:  # fmt: skip
         self.quadrant, self.breaks, self.drifts, self.box = quadrant, breaks, drifts, box
-        self.success = success
+        self.success, self.broken = success, broken
         vector = gymnasium.spaces.Box(-9.0, 9.0, (4,), np.float32)
         self.observation_space = vector if box else gymnasium.spaces.Dict({"agent_pos": vector})
 
     def reset(self, *, seed: int | None = None, options: Any = None) -> tuple[Any, Any]:
         super().reset(seed=seed)
+        if self.broken == "reset":
+            raise RuntimeError("no licence")
         self.steps = 0
         self.hand = self.np_random.uniform(-0.1, 0.1, 2)
         self.goal = self.np_random.uniform(0.4, 0.8, 2) * self.quadrant
@@ -46,7 +50,11 @@ class Plane(gymnasium.Env):
 
     def step(self, action: np.ndarray) -> tuple[Any, float, bool, bool, Any]:
         self.steps += 1
+        if self.broken == "step":
+            raise RuntimeError("no licence")
         if self.breaks and self.steps == BROKEN_AT:
+            if self.breaks == "exits":
+                os._exit(3)  # as a segmentation fault would end it
             raise RuntimeError("the puck has left the plane")
         _, speed, *heading = np.clip(action, -1, 1)
         self.hand = self.hand + (speed + 1) / 2 * STEP * np.array(heading)

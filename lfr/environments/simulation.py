@@ -8,20 +8,19 @@ Policies see it as they see any of this project's: named observations (D,), acti
 
 from __future__ import annotations
 
-import contextlib
-import inspect
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from lfr.artifacts import file_hash
 from lfr.data.own_columns import OwnColumns, own_columns
+from lfr.data.resample import frames_of
+from lfr.environments.entries import column_of, succeeded
+from lfr.environments.process import EnvironmentFailure, EnvironmentProcess
 from lfr.errors import LfrError
 from lfr.external import EnvironmentParams, ExternalArm
 from lfr.sim.steps import Steps
@@ -72,9 +71,8 @@ def external_target(
     tried = found.simulation()
     tried.reset(0)
     tried.step(np.zeros((1, len(columns.selection.space.names))))
-    code = tried.code()
     tried.close()
-    return replace(found, code=code)
+    return replace(found, code=tried.code)
 
 
 class ExternalSimulation:
@@ -83,9 +81,12 @@ class ExternalSimulation:
     Its state is the episode's seed and the actions so far: Gymnasium knows of no other that every
     environment has. Going back to it carries these out again from the start.
 
+    Where an arm is resampled, an action is carried out for as many steps of the environment as it
+    lasts (`lfr.data.resample`); its reward is their sum.
+
     An episode that the environment ends without success goes on in its last observation up to the
-    horizon, without reward. One in which it raises is over, and the traceback is logged; raising
-    at once, or in several episodes in a row, is a fault.
+    horizon, without reward. One in which it raises, or its process ends, is over, and the traceback
+    is logged; that at once, or in several episodes in a row, is a fault.
 
     Args:
         name: of the arm and task, for messages.
@@ -103,8 +104,8 @@ class ExternalSimulation:
     def __init__(self, name: str, params: EnvironmentParams, columns: OwnColumns) -> None:
         self.name, self._params, self._columns = name, params, columns
         self.layout = space(columns.selection.observation_names)
-        self._environment = self._made()
-        self.horizon = params.horizon or self._own_horizon()
+        self._environment, self._closed = self._made(), False
+        self.horizon = int((params.horizon or self._own_horizon()) / columns.ratio)
         self._box = self._checked_action()
         self._seed, self._done, self._over = 0, list[Array](), False
         self._failed, self._broken = 0, False  # episodes in a row that it ended by raising
@@ -116,13 +117,13 @@ class ExternalSimulation:
         Raises:
             LfrError: it observes something else than its description says, or cannot be reset.
         """
-        if self._environment is None:
-            self._environment = self._made()
+        if self._closed:
+            self._environment, self._closed = self._made(), False
         self._failed = self._failed if self._broken else 0
         self._seed, self._done, self._over, self._broken = seed, [], False, False
         try:
-            observed, _ = self._environment.reset(seed=seed)
-        except Exception as error:
+            observed = self._environment.reset(seed)
+        except EnvironmentFailure as error:
             raise self._fault("cannot be reset", error) from error
         self._last = self._seen(observed)
         return self._last
@@ -135,16 +136,16 @@ class ExternalSimulation:
         """
         observations, rewards, successes = [], [], []
         for action in np.asarray(actions, np.float64):
+            lasts = frames_of(len(self._done), self._columns.ratio)
             self._done.append(action)
             try:
-                reward, success = self._stepped(action)
-            except LfrError:
-                raise
-            except Exception as error:  # whatever an environment of somebody's raises
+                each = [self._stepped(action) for _ in range(lasts)]
+                reward, success = sum(one for one, _ in each), any(one for _, one in each)
+            except EnvironmentFailure as error:
                 self._failed, self._broken = self._failed + 1, True
                 if len(self._done) == 1 or self._failed == FAILURES:
                     raise self._fault("cannot go on", error) from error
-                logging.exception("%s: the environment has failed; so has the episode", self.name)
+                _log(self.name, error)
                 self.close()
                 return self._steps(observations, rewards, successes, failed=True)
             observations.append(self._last)
@@ -170,33 +171,26 @@ class ExternalSimulation:
                 "another state than it was left in", self.name,
             )  # fmt: skip
 
+    @property
     def code(self) -> str:
         """SHA-256 of the file that the environment's class stands in; "" where there is none."""
-        assert self._environment is not None
-        file = inspect.getsourcefile(type(self._environment.unwrapped))
-        return file_hash(Path(file)) if file else ""
+        return self._environment.about.code
 
     def close(self) -> None:
-        """Give it up; the next episode makes another one."""
-        environment, self._environment = self._environment, None
-        if environment is not None:
-            with contextlib.suppress(Exception):  # of one that has failed
-                environment.close()
+        """End the environment's process; the next episode starts another."""
+        self._environment.close()
+        self._closed = True
 
-    def _fault(self, what: str, error: Exception) -> LfrError:
-        said = " ".join(str(error).split())
-        logging.exception("%s: the environment has failed", self.name)
-        return LfrError(f"{self.name}: the environment {what}: {type(error).__name__}: {said}")
+    def _fault(self, what: str, error: EnvironmentFailure) -> LfrError:
+        _log(self.name, error)
+        return LfrError(f"{self.name}: the environment {what}: {error}")
 
     def _stepped(self, action: Array) -> tuple[float, bool]:
         if self._over:
             return 0.0, False
-        assert self._environment is not None
-        observed, reward, terminated, truncated, info = self._environment.step(
-            self._physical(action)
-        )
-        self._last, self._over = self._seen(observed), bool(terminated or truncated)
-        return float(reward), self._success(float(reward), info)
+        observed, reward, self._over, info = self._environment.step(self._physical(action))
+        self._last = self._seen(observed)
+        return reward, succeeded(reward, info, self._params, self.name)
 
     def _steps(
         self,
@@ -217,64 +211,33 @@ class ExternalSimulation:
         return np.clip(physical, box.low, box.high).astype(box.dtype)
 
     def _seen(self, observed: Any) -> Array:
-        taken = []
-        for part in self._columns.selection.observation:
-            values = self._column(observed, part.column)
-            if len(values) != (size := self._columns.size_of(part.column)):
+        def column(name: str) -> Array:
+            values = column_of(observed, name, self._params, self.name)
+            if len(values) != (size := self._columns.size_of(name)):
                 raise LfrError(
-                    f"{self.name}: {part.column} has {len(values)} numbers in the environment, "
+                    f"{self.name}: {name} has {len(values)} numbers in the environment, "
                     f"expected {size} as in the dataset"
                 )
-            taken.append(values[list(part.places)] / part.unit)
-        return np.concatenate(taken)
+            return values
 
-    def _column(self, observed: Any, column: str) -> Array:
-        entry = self._params.observation.get(column)
-        if entry is None and not self._params.observation and not isinstance(observed, Mapping):
-            return np.asarray(observed, np.float64).ravel()
-        there, way = observed, entry.split(".") if entry is not None else []
-        for key in way:
-            if not isinstance(there, Mapping) or key not in there:
-                break
-            there = there[key]
-        else:
-            if way and not isinstance(there, Mapping):
-                return np.asarray(there, np.float64).ravel()
-        raise LfrError(
-            f"{self.name}: {column} is {entry!r} of the environment's observation, which has "
-            f"{', '.join(_entries(observed)) or 'no entries'}; say which under 'observation'"
-        )
-
-    def _success(self, reward: float, info: Mapping[str, Any]) -> bool:
-        if self._params.success_reward is not None:
-            return reward >= self._params.success_reward
-        if self._params.success not in info:
-            raise LfrError(
-                f"{self.name}: the environment never says {self._params.success!r}; its info has "
-                f"{', '.join(info) or 'nothing'}; name one under 'success', or a 'success_reward'"
-            )
-        return bool(np.asarray(info[self._params.success]).item())
-
-    def _made(self) -> gymnasium.Env[Any, Any]:
         try:
-            return gymnasium.make(self._params.id, **self._params.kwargs)
-        except Exception as error:  # an import, a name, an argument: whatever is wrong with it
-            said = " ".join(str(error).split())
-            raise LfrError(
-                f"{self.name}: no environment {self._params.id!r}: {type(error).__name__}: {said}"
-            ) from error
+            parts = [part.values(column) for part in self._columns.selection.observation]
+        except ValueError as error:
+            raise LfrError(f"{self.name}: {error}") from None
+        return np.concatenate(parts)
+
+    def _made(self) -> EnvironmentProcess:
+        return made(self._params, self.name)
 
     def _own_horizon(self) -> int:
-        assert self._environment is not None
-        spec = self._environment.spec
-        if spec is None or spec.max_episode_steps is None:
+        horizon = self._environment.about.horizon
+        if horizon is None:
             raise LfrError(f"{self.name}: the environment does not end by itself; say 'horizon'")
-        return spec.max_episode_steps
+        return horizon
 
     def _checked_action(self) -> gymnasium.spaces.Box:
         """The environment's action, which the recorded ones are, and within its bounds."""
-        assert self._environment is not None
-        selection, taken = self._columns.selection, self._environment.action_space
+        selection, taken = self._columns.selection, self._environment.about.action_space
         size = len(selection.action.places)
         if not isinstance(taken, gymnasium.spaces.Box) or taken.shape != (size,):
             raise LfrError(f"{self.name}: the environment's action is {taken}, expected a Box of "
@@ -292,11 +255,20 @@ class ExternalSimulation:
         return taken
 
 
-def _entries(observed: Any, before: str = "") -> list[str]:
-    """The dotted names of all that an observation holds."""
-    if not isinstance(observed, Mapping):
-        return [before] if before else []
-    found = []
-    for key, value in observed.items():
-        found += _entries(value, f"{before}.{key}" if before else str(key))
-    return found
+def made(params: EnvironmentParams, name: str) -> EnvironmentProcess:
+    """An environment, in a process of its own.
+
+    Args:
+        name: of the arm and task, for the message.
+
+    Raises:
+        LfrError: it cannot be made.
+    """
+    try:
+        return EnvironmentProcess(params.id, params.kwargs)
+    except EnvironmentFailure as error:  # an import, a name, an argument: whatever is wrong with it
+        raise LfrError(f"{name}: no environment {params.id!r}: {error}") from error
+
+
+def _log(name: str, error: EnvironmentFailure) -> None:
+    logging.error("%s: the environment has failed: %s\n%s", name, error, error.trace)

@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 
 from lfr.artifacts import file_hash
-from lfr.errors import LfrError
-from lfr.external import EnvironmentParams, external
-from lfr.external_simulation import (
+from lfr.environments.simulation import (
     FAILURES,
     ExternalSimulation,
     ExternalTarget,
     external_target,
 )
+from lfr.errors import LfrError
+from lfr.external import EnvironmentParams, external
 from lfr.transfer.environment import RewardRule, RunningEpisode
 from tests.external import made_up, plane
 from tests.external.plane import BROKEN_AT, Plane
@@ -129,17 +129,26 @@ def test_one_that_does_not_repeat_itself_says_so(
     assert "does not repeat itself" in caplog.text
 
 
-def test_a_crash_is_a_failed_episode(folder: Path, caplog: pytest.LogCaptureFixture) -> None:
-    engine = simulation(folder, breaks=True)
+@pytest.mark.parametrize(
+    ("breaks", "said"),
+    [
+        ("raises", "RuntimeError: the puck has left the plane"),
+        ("exits", "its process has ended, exit code 3"),
+    ],
+)
+def test_a_crash_is_a_failed_episode(
+    folder: Path, breaks: str, said: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    engine = simulation(folder, breaks=breaks)
     for seed in range(FAILURES - 1):
         engine.reset(seed)
         steps = engine.step(np.zeros((BROKEN_AT + 3, 4)))
         assert steps.diverged
         assert len(steps) == BROKEN_AT - 1
-    assert caplog.text.count("RuntimeError: the puck has left the plane") == FAILURES - 1
-    assert "Traceback" in caplog.text
+    assert caplog.text.count(f"has failed: {said}") == FAILURES - 1
+    assert ("Traceback" in caplog.text) == (breaks == "raises")
     engine.reset(FAILURES)
-    with pytest.raises(LfrError, match="cannot go on: RuntimeError: the puck has left the plane"):
+    with pytest.raises(LfrError, match=f"cannot go on: {said}"):
         engine.step(np.zeros((BROKEN_AT, 4)))
 
 
@@ -151,15 +160,9 @@ def test_whole_episodes_between_crashes_make_them_bearable(folder: Path) -> None
 
 
 @pytest.mark.parametrize("at", ["reset", "step"])
-def test_one_that_does_nothing_but_raise_is_a_fault(
-    folder: Path, at: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def broken(*_: Any, **__: Any) -> None:
-        raise RuntimeError("no licence")
-
-    monkeypatch.setattr(Plane, at, broken)
+def test_one_that_does_nothing_but_raise_is_a_fault(folder: Path, at: str) -> None:
     with pytest.raises(LfrError, match=r"puck, park: the environment cannot .*: no licence"):
-        target_of(folder)
+        target_of(folder, replace(PLANE, kwargs={"broken": at}))
 
 
 def test_a_rounded_action_stays_within_its_bounds(folder: Path) -> None:

@@ -1,0 +1,1 @@
+"""Examples; each folder is run by one command, which its own page or docstring says."""

@@ -1,0 +1,1 @@
+"""Gymnasium environments in which arms that are known by their datasets act."""
