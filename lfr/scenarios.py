@@ -99,9 +99,9 @@ def scenarios(path: Path = PARAMS) -> dict[str, Scenario]:
         UnknownNameError: it names an unknown robot or task.
     """
     section = read_yaml(path).get("scenarios")
-    if not isinstance(section, dict) or not section:
-        raise ParameterError(f"{path}: no section 'scenarios'")
     theirs = external(path)
+    if not isinstance(section, dict) or not (section or theirs.scenarios):
+        raise ParameterError(f"{path}: no section 'scenarios'")
     twice = sorted(set(section) & set(theirs.scenarios))
     if twice:
         raise ParameterError(f"{path}: {', '.join(twice)} under 'scenarios' and under 'external'")

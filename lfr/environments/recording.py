@@ -27,7 +27,7 @@ from lfr.data.log_reader import list_logs
 from lfr.demos.recorder import TooFewSuccesses, log_path, record_successes
 from lfr.environments.entries import column_of, succeeded
 from lfr.environments.process import EnvironmentFailure, EnvironmentProcess
-from lfr.environments.simulation import made
+from lfr.environments.simulation import CAMERA, made
 from lfr.errors import LfrError, UnknownNameError
 from lfr.external import EnvironmentParams, ExternalArm
 from lfr.jobs import Job
@@ -36,7 +36,6 @@ from lfr.lerobot_policy import LeRobotPolicy
 Array = NDArray[np.float64]
 Answer = Callable[[Any, Mapping[str, NDArray[np.uint8]]], Any]
 """The action for what an environment observes, and its pictures."""
-CAMERA = "render"
 PERSISTENCE = 0.22  # s, in which the noise forgets: it leads further than white noise would
 NOTHING = np.zeros(0)  # Gymnasium knows no state of an environment
 

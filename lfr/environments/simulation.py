@@ -28,6 +28,7 @@ from lfr.spaces import space
 
 Array = NDArray[np.float64]
 
+CAMERA = "render"  # name of the pictures that an environment draws
 FAILURES = 5  # in a row that are one too many
 BEYOND = 1e-3  # of a bound, in shares of its range: bounds that were copied with four digits
 
@@ -37,20 +38,21 @@ class ExternalTarget:
     """What an `ExternalSimulation` is made of, so that any process may make one.
 
     Attributes:
-        name: of the arm and task, for messages.
+        robot, task: the arm, and what it does.
         params: of the environment.
         columns: of the arm's datasets.
         code: SHA-256 of the file that the environment's class stands in: another one is another
             environment.
     """
 
-    name: str
+    robot: str
+    task: str
     params: EnvironmentParams
     columns: OwnColumns
     code: str = ""
 
     def simulation(self) -> ExternalSimulation:
-        return ExternalSimulation(self.name, self.params, self.columns)
+        return ExternalSimulation(self.robot, self.task, self.params, self.columns)
 
 
 def external_target(
@@ -67,7 +69,7 @@ def external_target(
     if arm is None or task not in arm.environments:
         return None
     columns = own_columns(robot, arm, task, others, names)
-    found = ExternalTarget(f"{robot}, {task}", arm.environments[task], columns)
+    found = ExternalTarget(robot, task, arm.environments[task], columns)
     tried = found.simulation()
     tried.reset(0)
     tried.step(np.zeros((1, len(columns.selection.space.names))))
@@ -89,20 +91,26 @@ class ExternalSimulation:
     is logged; that at once, or in several episodes in a row, is a fault.
 
     Args:
-        name: of the arm and task, for messages.
         columns: of the arm's datasets, which the environment's observation stands for.
 
     Attributes:
+        robot, task: the arm, and what it does.
         layout: the names of what is observed.
+        actions: what its actions in [-1, 1] stand for.
         horizon: control steps of an episode.
+        rate: control steps per second.
 
     Raises:
         LfrError: it cannot be made, it has no such observation or another action, or it does not
             say how long an episode is.
     """
 
-    def __init__(self, name: str, params: EnvironmentParams, columns: OwnColumns) -> None:
-        self.name, self._params, self._columns = name, params, columns
+    def __init__(
+        self, robot: str, task: str, params: EnvironmentParams, columns: OwnColumns
+    ) -> None:
+        self.robot, self.task, self._params, self._columns = robot, task, params, columns
+        self.name = f"{robot}, {task}"  # for messages
+        self.actions, self.rate = columns.selection.space, columns.fps / columns.ratio
         self.layout = space(columns.selection.observation_names)
         self._environment, self._closed = self._made(), False
         self.horizon = int((params.horizon or self._own_horizon()) / columns.ratio)
@@ -170,6 +178,10 @@ class ExternalSimulation:
                 "%s: the environment does not repeat itself from a seed; an episode goes on from "
                 "another state than it was left in", self.name,
             )  # fmt: skip
+
+    def picture(self) -> NDArray[np.uint8] | None:
+        """What it looks like, (H, W, 3), where the environment draws."""
+        return self._environment.render() if self._environment.about.draws else None
 
     @property
     def code(self) -> str:

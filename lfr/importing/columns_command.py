@@ -9,10 +9,11 @@ import argparse
 import json
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
 
 from lfr.data import tables
 from lfr.data.episode import ACTION
@@ -22,11 +23,14 @@ from lfr.data.source import Source
 from lfr.data.tables import DatasetFiles, conversion
 from lfr.errors import DataError
 from lfr.importing.bag.files import find_bags, is_bag
+from lfr.importing.relations import Relation, relations
 
 DIGITS = 4  # of the bounds
 MOST_TASKS = 20  # that are printed
 LONGEST_KEY = 40  # characters of a task's name
 OBSERVATION = "observation."
+MOST_ROWS = 20_000  # that are looked at for what the action does
+COPIES = ("copy", "previous")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -72,7 +76,10 @@ def arm_entry(path: Path, arm: str | None = None, action: str = ACTION) -> str:
         )  # fmt: skip
     robot = files.info.get("robot_type")
     robot = robot if isinstance(robot, str) else None
-    low, high = _bounds(files, action)
+    rows = files.data([*vectors, "episode_index"])
+    low, high = _bounds(files, action, rows)
+    found = _relations(rows, vectors, action)
+    copies = {column for column in vectors if _is_copy(column, vectors[column], found)}
     name = arm or _slug(robot or files.path.name) or "arm"
     lines = [*_notes(files), f"{name}:", f"  path: {_text(_place(files.source))}"]
     fps = files.fps
@@ -81,13 +88,19 @@ def arm_entry(path: Path, arm: str | None = None, action: str = ACTION) -> str:
     lines.append("  observation:")
     taken: list[str] = []
     for column, names in vectors.items():
-        if column.startswith(OBSERVATION):
+        if column in copies:
+            lines.append(
+                f"    # {column} is left out: it repeats the action, and so would a policy"
+            )
+        elif column.startswith(OBSERVATION):
             lines += [f"    - column: {column}", f"      dims: {_flow(names)}"]
             said = _said(column, names, taken)
             lines += [f"      names: {_flow(said)}"] if said != names else []
             taken += said
     lines += ["  action:", f"    column: {action}", f"    dims: {_flow(vectors[action])}"]
-    lines += [f"    low: {json.dumps(low)}", f"    high: {json.dumps(high)}", "  tasks:"]
+    lines += [f"    low: {json.dumps(low)}", f"    high: {json.dumps(high)}"]
+    lines += [f"    # {line}" for line in _commands(found, vectors, action)]
+    lines.append("  tasks:")
     instructions = _instructions(files)
     lines += [
         f"    {key}: {{instruction: {json.dumps(words, ensure_ascii=False)}}}"
@@ -127,9 +140,48 @@ def _said(column: str, names: tuple[str, ...], taken: Sequence[str]) -> tuple[st
     return tuple(given)
 
 
-def _bounds(files: DatasetFiles, action: str) -> tuple[list[float], list[float]]:
+def _relations(
+    rows: pa.Table, vectors: Mapping[str, tuple[str, ...]], action: str
+) -> list[Relation]:
+    """Of some of the rows, from the start."""
+    some = rows.slice(0, MOST_ROWS)
+    wide = {
+        column: np.asarray(tables.values(some, column), np.float64).reshape(len(some), -1)
+        for column in vectors
+    }
+    observed = {
+        column: values for column, values in wide.items()
+        if column.startswith(OBSERVATION) and np.isfinite(values).all()
+    }  # fmt: skip
+    return relations(wide[action], observed, some["episode_index"].to_numpy())
+
+
+def _is_copy(column: str, names: tuple[str, ...], found: Sequence[Relation]) -> bool:
+    copied = {one.place for one in found if one.column == column and one.kind in COPIES}
+    return len(copied) == len(names)
+
+
+def _commands(
+    found: Sequence[Relation], vectors: Mapping[str, tuple[str, ...]], action: str
+) -> Iterator[str]:
+    """What the action does to what is observed, in lines."""
+    names = vectors[action]
+    told = [one for one in found if one.kind not in COPIES]
+    for one in told:
+        seen = f"{vectors[one.column][one.place]} of {one.column}"
+        share = f"{100 * one.explained:.0f} % explained"
+        if one.kind == "position":
+            yield f"{names[one.action]}: a commanded position of {seen} ({share})"
+        else:
+            size = f"{one.scale:.3g} a step for 1"
+            yield f"{names[one.action]}: a change or speed of {seen}, {size} ({share})"
+    changes = [names[one.action] for one in told if one.kind == "change"]
+    if changes:
+        yield f"with `resample` on the arm: deltas: {_flow(tuple(changes))}"
+
+
+def _bounds(files: DatasetFiles, action: str, rows: pa.Table) -> tuple[list[float], list[float]]:
     """The action's least and greatest values, rounded outwards, never equal."""
-    rows = files.data([action, "episode_index"])
     values = tables.values(rows, action)
     if not len(values):
         raise DataError("no rows", file=files.path / "data")

@@ -9,14 +9,19 @@ The episodes all begin where the run's evaluations begin.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from lfr.embodiments import is_known
-from lfr.errors import DataError
+from lfr.errors import DataError, LfrError
 from lfr.transfer.log import CURVE, POLICY, UPDATES
 from lfr.transfer.starts import evaluation_starts
 from lfr.view import curve
 from lfr.view.curve import learning_recording, log_curve, read_curve
+
+if TYPE_CHECKING:
+    from lfr.environments.simulation import ExternalSimulation
+    from lfr.sim.simulation import Simulation
+    from lfr.transfer.actor import SkillActor
 
 
 class RunRecordings:
@@ -63,7 +68,6 @@ def save_attempt(policy: Path, out: Path, start: int, note: str | None = None) -
     Raises:
         DataError: no transferred policy, or one that does not say its arm and task.
     """
-    from lfr.sim.simulation import simulation
     from lfr.transfer.model import load_policy
     from lfr.view.policy_episode import save_policy_episode
     from lfr.view.rollout import roll_out_policy
@@ -73,8 +77,32 @@ def save_attempt(policy: Path, out: Path, start: int, note: str | None = None) -
         if key not in about:
             raise DataError("a policy that does not say its arm and task",
                             file=policy / "config.json", column=f"about.{key}")  # fmt: skip
-    episode, trace = roll_out_policy(actor, simulation(about["robot"], about["task"]), start)
+    episode, trace = roll_out_policy(actor, _simulation(actor, about), start)
     save_policy_episode(out, episode, trace, note=note)
+
+
+def _simulation(actor: SkillActor, about: dict[str, Any]) -> Simulation | ExternalSimulation:
+    """Where a policy acts: here, or in the environment that its arm names.
+
+    Raises:
+        LfrError: it names none, or one that does not fit.
+    """
+    from lfr.environments.simulation import external_target
+    from lfr.external import external_arms
+    from lfr.scenarios import transfer as transfer_named
+    from lfr.sim.simulation import simulation
+    from lfr.skills.prior import SkillPrior
+
+    robot, task = about["robot"], about["task"]
+    if is_known(robot):
+        return simulation(robot, task)
+    arm, pi = external_arms([robot]).get(robot), actor.policy.pi
+    assert isinstance(pi, SkillPrior)  # as every method's of the library
+    common = transfer_named(about["transfer"]).common if arm else ()
+    target = external_target(robot, arm, task, common, pi.layout_names)
+    if target is None:
+        raise LfrError(f"{robot} names no environment for {task}, so nothing can be seen of it")
+    return target.simulation()
 
 
 class _Run:
@@ -97,7 +125,7 @@ class _Run:
         self._recording.flush()
         new = [policy for policy in _policies(self.run) if policy not in self._drawn]
         self._drawn.update(new)
-        return [self._draw(policy) for policy in new if is_known(_about(policy)["robot"])]
+        return [self._draw(policy) for policy in new if _is_seen(_about(policy))]
 
     def close(self) -> None:
         self._recording.flush()
@@ -109,6 +137,15 @@ class _Run:
         note = f"{about['env_steps']} environment steps"
         save_attempt(policy, out, evaluation_starts(about["seed"], 1)[0], note)
         return out
+
+
+def _is_seen(about: dict[str, Any]) -> bool:
+    """Whether there is a simulation that shows it."""
+    from lfr.external import external_arms
+
+    robot = about["robot"]
+    arm = None if is_known(robot) else external_arms([robot]).get(robot)
+    return is_known(robot) or (arm is not None and about["task"] in arm.environments)
 
 
 def _policies(run: Path) -> list[Path]:

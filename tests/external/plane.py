@@ -23,7 +23,7 @@ class Plane(gymnasium.Env):
         box: observes the vector itself, in no dictionary.
     """
 
-    metadata = {"render_modes": [], "render_fps": FPS}  # noqa: RUF012  (Gymnasium's convention)
+    metadata = {"render_modes": ["rgb_array"], "render_fps": FPS}  # noqa: RUF012  (Gymnasium's convention)
     action_space = gymnasium.spaces.Box(-1.0, 1.0, (4,), np.float32)
     task_description = "park it"
     task = "park"
@@ -31,9 +31,10 @@ class Plane(gymnasium.Env):
     def __init__(
         self, quadrant: tuple[int, int] = (1, -1), breaks: bool | str = False,
         drifts: bool = False, box: bool = False, success: str = "is_success", broken: str = "",
+        render_mode: str | None = None,
     ) -> None:  # fmt: skip
         self.quadrant, self.breaks, self.drifts, self.box = quadrant, breaks, drifts, box
-        self.success, self.broken = success, broken
+        self.success, self.broken, self.render_mode = success, broken, render_mode
         vector = gymnasium.spaces.Box(-9.0, 9.0, (4,), np.float32)
         self.observation_space = vector if box else gymnasium.spaces.Dict({"agent_pos": vector})
 
@@ -60,6 +61,9 @@ class Plane(gymnasium.Env):
         self.hand = self.hand + (speed + 1) / 2 * STEP * np.array(heading)
         there = bool(np.linalg.norm(self.goal - self.hand) < NEAR)
         return self._seen(), float(there), there, False, {self.success: there}
+
+    def render(self) -> Any:
+        return np.full((32, 48, 3), 8 * self.steps, np.uint8)
 
     def _seen(self) -> Any:
         vector = np.concatenate([self.hand, self.goal]).astype(np.float32)

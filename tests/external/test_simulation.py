@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from lfr.artifacts import file_hash
+from lfr.data.own_columns import own_columns
 from lfr.environments.simulation import (
     FAILURES,
     ExternalSimulation,
@@ -18,7 +19,7 @@ from lfr.environments.simulation import (
     external_target,
 )
 from lfr.errors import LfrError
-from lfr.external import EnvironmentParams, external
+from lfr.external import EnvironmentParams, ExternalArm, external
 from lfr.transfer.environment import RewardRule, RunningEpisode
 from tests.external import made_up, plane
 from tests.external.plane import BROKEN_AT, Plane
@@ -44,16 +45,19 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def target_of(
-    folder: Path, params: EnvironmentParams = PLANE, text: str = made_up.EXTERNAL,
-    names: tuple[str, ...] = NAMES,
-) -> ExternalTarget:  # fmt: skip
-    (folder / "params.yaml").write_text(text)
+def puck(folder: Path, params: EnvironmentParams = PLANE, text: str = "") -> ExternalArm:
+    (folder / "params.yaml").write_text(text or made_up.EXTERNAL)
     arm = external(folder / "params.yaml").arms["puck"]
     tasks = {
         name: replace(task, path=folder / (task.path or "")) for name, task in arm.tasks.items()
     }
-    arm = replace(arm, environments={"park": params}, tasks=tasks)
+    return replace(arm, environments={"park": params}, tasks=tasks)
+
+
+def target_of(
+    folder: Path, params: EnvironmentParams = PLANE, text: str = "", names: tuple[str, ...] = NAMES
+) -> ExternalTarget:
+    arm = puck(folder, params, text)
     found = external_target("puck", arm, "park", ("push", "pull"), names)
     assert found is not None
     assert found.code == file_hash(Path(plane.__file__))
@@ -62,7 +66,9 @@ def target_of(
 
 def simulation(folder: Path, **changes: Any) -> ExternalSimulation:
     kwargs = {key: changes.pop(key) for key in list(changes) if key in ("breaks", "drifts", "box")}
-    return target_of(folder, replace(PLANE, kwargs=kwargs, **changes)).simulation()
+    params = replace(PLANE, kwargs=kwargs, **changes)
+    columns = own_columns("puck", puck(folder, params), "park", ("push",), NAMES)
+    return ExternalSimulation("puck", "park", params, columns)
 
 
 def test_it_is_the_environment_itself(folder: Path) -> None:
@@ -96,6 +102,29 @@ def test_columns_units_and_order_are_the_datasets(folder: Path) -> None:
     steps = engine.step(np.array([[0.5, 0.25, 0.75, -1.0]]))  # speed, cos, sin, hand
     seen, *_ = plane.step(np.array([-1.0, 0.5, 0.25, 0.375]))
     np.testing.assert_allclose(steps.observations[0], np.roll(seen["agent_pos"], 2) / 2, rtol=1e-5)
+
+
+def test_an_action_lasts_as_many_steps_as_a_slower_arm_has(folder: Path) -> None:
+    slower = made_up.EXTERNAL.replace(
+        "      action: {column: action}\n",
+        "      resample: 4\n      action: {column: action, deltas: [action.1]}\n",
+    )
+    columns = own_columns("puck", puck(folder, text=slower), "park", ("push",), NAMES)
+    assert (columns.fps, columns.ratio) == (10, 2.5)
+    engine, plain = ExternalSimulation("puck", "park", PLANE, columns), Plane()
+    assert (engine.horizon, engine.rate) == (16, 4.0)
+    plain.reset(seed=1)
+    engine.reset(1)
+    actions = np.random.default_rng(2).uniform(-1, 1, (5, 4))
+    steps = engine.step(actions)
+    for step, (action, lasts) in enumerate(zip(actions, (3, 2, 3, 2, 3), strict=True)):
+        given = [plain.step(np.float32(action)) for _ in range(lasts)]
+        np.testing.assert_array_equal(steps.observations[step], given[-1][0]["agent_pos"])
+        assert steps.rewards[step] == sum(float(one[1]) for one in given)
+    left = engine.state()
+    after = engine.step(actions[:1]).observations
+    engine.set_state(left)
+    np.testing.assert_array_equal(engine.step(actions[:1]).observations, after)
 
 
 def test_an_episode_that_was_left_goes_on_as_if_it_had_not_been(folder: Path) -> None:

@@ -63,6 +63,20 @@ def test_a_new_episode_begins_with_a_new_skill(saved: Path, exported: Path) -> N
     np.testing.assert_array_equal(action.numpy(), actor.act_all(second)[0][None, 0])
 
 
+def test_where_an_arm_is_resampled_each_action_is_repeated(saved: Path, exported: Path) -> None:
+    actor, _ = load_policy(saved)
+    policy, _, _ = loaded(exported)
+    policy._ratio = 2.5  # control steps to an action: 3, 2, 3, 2, ...
+    observations = np.random.default_rng(3).normal(size=(25, 2, sum(SIZE)))
+    found = [policy.select_action(batch_of(seen)).numpy() for seen in observations]
+    skills = [np.stack(actor.act_all(observations[begin])) for begin in (0, 13)]  # (B, 5, A)
+    lasts = [3, 2, 3, 2, 3, 2, 3, 2, 3, 2]
+    expected = np.repeat(np.concatenate(skills, axis=1), lasts, axis=1)
+    np.testing.assert_array_equal(np.stack(found, axis=1), expected)
+    chunk = policy.predict_action_chunk(batch_of(observations[0]))
+    np.testing.assert_array_equal(chunk.numpy(), expected[:, :13])
+
+
 def test_each_row_carries_out_its_own_skills(exported: Path) -> None:
     """Whose hand lets go goes on to the end of its skill, whatever the others do."""
     observations = np.random.default_rng(2).normal(size=(12, 8, sum(SIZE)))
