@@ -78,7 +78,8 @@ class ActionPart:
 
     Attributes:
         column, dims, names: as of `Part`.
-        low, high: what -1 and 1 stand for, of every dimension or of each.
+        low, high: what -1 and 1 stand for, of every dimension or of each; low above high turns it
+            round.
         deltas: those of the names that are changes or speeds, which may be said only where control
             steps are resampled, and has to be there (`lfr.data.resample`).
     """

@@ -17,7 +17,7 @@ from lfr.errors import LfrError
 from lfr.program import run_program
 
 BEGIN, END = "<!-- dag -->", "<!-- /dag -->"
-SHOWN_IN = ("README.md", "docs/dvc.md")
+SHOWN_IN = ("docs/dvc.md",)
 NODE = re.compile(r'^\s*(node\d+)\["([^"]+)"\]$', re.MULTILINE)
 EDGE = re.compile(r"^\s*(node\d+)-->(node\d+)$", re.MULTILINE)
 

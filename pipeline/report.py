@@ -38,7 +38,7 @@ def main() -> None:
     write_json(RESULTS / "chain.json", chains)
     figures.learning_figure(RESULTS / "learning.svg", curves, records, warm_up)
     write_json(RESULTS / "table.json", tables.summary(records, chains))
-    _write(RESULTS / "table.md", tables.transfer_table(records, chains))
+    _write(RESULTS / "table.md", tables.headline_table(records, chains))
     _write(RESULTS / "report.md", report(records, chains, external=external().transfers))
     if README.is_file():  # it is no output of the stage, and need not be there
         put(README, MARKER, results_block())

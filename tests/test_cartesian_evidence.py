@@ -50,7 +50,7 @@ def tables(text: str) -> list[list[Row]]:
 
 @cache
 def readme() -> str:
-    return section(ROOT / "README.md", "Arms whose actions are the same")
+    return section(ROOT / "docs" / "cartesian-evidence.md", "Arms whose actions are the same")
 
 
 @cache

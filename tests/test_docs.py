@@ -38,7 +38,7 @@ FILE = re.compile(
 )
 PAGES = {
     "browse.md": ("view",),
-    "bring-a-dataset.md": ("import", "view"),
+    "bring-a-dataset.md": ("import", "record", "view"),
     "publish.md": ("publish", "card"),
     "trust.md": ("verify", "replay", "recover", "diff"),
 }
@@ -211,8 +211,8 @@ def test_what_the_whole_main_job_took() -> None:
     assert took["at_once"] == 2  # "two at a time"
 
 
-def test_readme_names_every_transfer() -> None:
-    text = (ROOT / "README.md").read_text()
+def test_every_transfer_is_named() -> None:
+    text = (ROOT / "docs/start.md").read_text()
     assert [name for name in transfers(ROOT / "params.yaml") if f"`{name}`" not in text] == []
 
 

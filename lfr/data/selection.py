@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 
+import numpy as np
 from numpy.typing import NDArray
 
 from lfr.columns import ActionPart, ActionSpace, Columns, Part
@@ -155,8 +156,7 @@ def _choose(
         wanted = conversion.sizes or (len(places), len(places))
         raise DataError(
             "another number of names than dimensions", file=_info(files), column=part.column,
-            found=f"{len(names)} names for {len(places)} dimensions",
-            expected=f"{wanted[1]} for {wanted[0]}, of {', '.join(given)}",
+            found=f"{len(names)} names", expected=f"{wanted[1]}: {', '.join(given)}",
         )  # fmt: skip
     return Chosen(part.column, places, names, conversion)
 
@@ -184,9 +184,9 @@ def _space(files: DatasetFiles, part: ActionPart, action: Chosen) -> ActionSpace
             )  # fmt: skip
         bounds.append(each)
     for name, low, high in zip(action.names, *bounds, strict=True):
-        if not low < high:
+        if low == high or not np.isfinite([low, high]).all():
             raise DataError(
-                f"low is not below high for {name!r}", file=_info(files), column=part.column,
+                f"low and high bound nothing for {name!r}", file=_info(files), column=part.column,
                 found=f"{low} and {high}",
             )  # fmt: skip
     return ActionSpace(action.names, *bounds)

@@ -259,6 +259,7 @@ class ExternalSimulation:
             selection.space.high, strict=True,
         ):  # fmt: skip
             least, most = float(taken.low[place]), float(taken.high[place])
+            low, high = sorted((low, high))
             if low < least - BEYOND * (high - low) or high > most + BEYOND * (high - low):
                 raise LfrError(
                     f"{self.name}: the action's {name} goes from {low:g} to {high:g}, the "

@@ -215,7 +215,7 @@ def _spread(shown: Demonstrations) -> list[float]:
 
 def _unit(space: ActionSpace) -> Tensor:
     """What a step of 1 of a normalised action is in the dataset's units, (A,)."""
-    return 0.5 * (torch.tensor(space.high) - torch.tensor(space.low))
+    return 0.5 * (torch.tensor(space.high) - torch.tensor(space.low)).abs()
 
 
 def _scaled(prior: SkillPrior, states: Tensor) -> Tensor:

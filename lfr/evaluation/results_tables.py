@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from statistics import fmean
 from typing import Any
 
+from lfr.evaluation.names import NAMES, PAPER
 from lfr.evaluation.records import CHAIN, Record, StageRun
 
 
@@ -81,6 +82,36 @@ def transfer_table(records: Sequence[Record], chains: Mapping[str, Record]) -> s
         for record in records
     ]
     return markdown(header, rows)
+
+
+def headline_table(records: Sequence[Record], chains: Mapping[str, Record]) -> str:
+    """What a reader asks first, in percent, one row per transfer and method, means of seeds."""
+    header = ["new task", "target", "learns from", "LfR, not learned", "LfR, learned", "identity",
+              "linear", "retarget", "oracle", "paper"]  # fmt: skip
+    groups: dict[tuple[str, str], list[Record]] = {}
+    for record in records:
+        groups.setdefault((record["transfer"], record["method"]), []).append(record)
+    rows = []
+    for (transfer, method), runs in groups.items():
+        chain = chains[transfer]
+        found = chain["zero_shot"]
+        target = chain["target"].partition("-")[0]
+        task = chain["task"]
+        paper = PAPER.get((task, target), {}).get(method)
+        links = ("identity", "linear", "retarget", "oracle")
+        rows.append([
+            NAMES.get(task, task), _called(chain["target"]),
+            _called(chain["source"]), percent(fmean(run["zero_shot"] for run in runs)),
+            percent(fmean(run["success"] for run in runs)),
+            *(percent(found[link]["rate"]) if link in found else "-" for link in links),
+            "-" if paper is None else f"{paper:.1f}",
+        ])  # fmt: skip
+    return markdown(header, rows)
+
+
+def _called(robot: str) -> str:
+    arm, _, controller = robot.partition("-")
+    return f"{NAMES.get(arm, arm)}, {NAMES.get(controller or 'osc_pose', controller)}"
 
 
 def chain_table(chains: Mapping[str, Record]) -> str:
