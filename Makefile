@@ -10,7 +10,7 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export UV_PYTHON_INSTALL_DIR := $(CURDIR)/.uv/python
 unexport VIRTUAL_ENV
 
-.PHONY: demo repro test test-slow check bench bench-checkers bench-stages evidence setup lock
+.PHONY: demo example repro test test-slow check bench bench-checkers bench-stages evidence setup lock
 
 demo: setup
 	python -m pipeline._demo
@@ -23,6 +23,11 @@ test: setup
 
 test-slow: setup
 	pytest -m slow
+
+# Meta-World's Sawyer teaches Gymnasium-Robotics' Fetch (docs/bring-a-dataset.md); hours.
+example: setup
+	$(UV) pip install --quiet --constraint requirements.lock gymnasium-robotics==1.4.2 metaworld==3.0.0
+	python -m examples.metaworld_fetch
 
 check: setup
 	ruff check .

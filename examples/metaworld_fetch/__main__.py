@@ -21,6 +21,7 @@ import yaml
 
 from lfr.artifacts import provenance, read_json, write_whole
 
+ROOT = Path(__file__).parents[2]
 HERE = "examples.metaworld_fetch"
 WORK, TABLE = Path("work/examples/metaworld_fetch"), Path("results/examples/metaworld_fetch.csv")
 PARAMS = Path(__file__).with_name("params.yaml")
@@ -125,7 +126,7 @@ def once(folder: Path, result: str, module: str, *arguments: str) -> None:
 
 def run(folder: Path, module: str, *arguments: object) -> None:
     """A command in a folder, which finds this project's modules; its failure ends all."""
-    paths = os.pathsep.join([str(Path.cwd()), os.environ.get("PYTHONPATH", "")])
+    paths = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
     command = [sys.executable, "-m", module, *map(str, arguments)]
     print(f"{folder}: {' '.join(command[2:])}", flush=True)
     subprocess.run(command, cwd=folder, env={**os.environ, "PYTHONPATH": paths}, check=True)
