@@ -1,3 +1,3 @@
 """Learn from Robot: transfer manipulation skills from one robot arm to another."""
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
