@@ -114,7 +114,7 @@ def test_what_is_missing_or_odd_is_named_in_one_line(
     ("change", "message"),
     [
         (("    crane:\n", "    panda:\n"), "panda is an arm that this project simulates"),
-        (("unit: 1000", "unit: 0"), r"observation\[0\].*unit must be above 0"),
+        (("unit: 1000", "unit: 0"), r"observation\[0\].*unit must not be 0"),
         (("dims: [x_mm, y_mm]", "dims: [x_mm]"), "found 2 names for 1 dims"),
         (("path: data/external/crane\n", "robot: x\n"), "unknown parameter 'robot'; valid: fps"),
         (("{path: data/external/puck-push}", "{}"), "puck: no path for task 'push'"),

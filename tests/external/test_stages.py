@@ -12,6 +12,7 @@ from pathlib import Path
 import gymnasium
 import numpy as np
 import pytest
+from rerun.experimental import RrdReader
 
 from lfr.artifacts import read_json
 from lfr.data.external import read_external
@@ -244,10 +245,17 @@ def test_what_it_has_learned_is_exported_and_viewed(project: Path, tmp_path: Pat
     assert "sees observation.state, 4 numbers" in told.stdout, told.stderr
     sizes = read_json(out / "config.json")["columns"]["observation"][0]
     assert (sizes["size"], sizes["places"]) == (4, [0, 1, 2, 3])
-    curves = tmp_path / "curves.rrd"
-    told = lfr(project, "view", f"models/learning/{NAME}-lfr", "--save", str(curves))
+    curves, episode = tmp_path / "curves.rrd", tmp_path / "episode.rrd"
+    told = lfr(project, "view", f"results/transfer/{NAME}-lfr.csv", "--save", str(curves))
     assert told.returncode == 0, told.stderr
     assert len(rrd.rows(curves, "/evaluation/success", "Scalars:scalars")) >= 2
+    told = lfr(project, "view", f"models/learning/{NAME}-lfr", "--save", str(episode))
+    assert told.returncode == 0, told.stderr
+    shown = [store.application_id for store in RrdReader(episode).recordings()]
+    assert any("puck" in title and "environment steps" in title for title in shown), shown
+    told = lfr(project, "view", learned, "--save", str(episode))  # in the puck's own environment
+    assert told.returncode == 0, told.stderr
+    assert any("puck" in one.application_id for one in RrdReader(episode).recordings())
 
 
 def test_cards_claim_no_simulation(project: Path) -> None:
