@@ -10,7 +10,7 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export UV_PYTHON_INSTALL_DIR := $(CURDIR)/.uv/python
 unexport VIRTUAL_ENV
 
-.PHONY: demo example repro test test-slow check bench bench-checkers bench-stages evidence setup lock
+.PHONY: demo example site repro test test-slow check bench bench-checkers bench-stages evidence setup lock
 
 demo: setup
 	python -m pipeline._demo
@@ -23,6 +23,10 @@ test: setup
 
 test-slow: setup
 	pytest -m slow
+
+# The documentation as pages for a browser: work/site/index.html.
+site: | $(UV)
+	$(UV) tool run --quiet --from mkdocs==1.6.1 --with mkdocs-material==9.8.2 --with "mkdocstrings[python]==1.0.8" mkdocs build --quiet
 
 # Meta-World's Sawyer teaches Gymnasium-Robotics' Fetch (docs/bring-a-dataset.md); hours.
 example: setup
