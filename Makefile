@@ -80,6 +80,6 @@ $(UV):
 
 # Renews requirements.lock; it names packages and hashes, never the registry they came from.
 lock: | $(UV)
-	$(UV) pip compile pyproject.toml --extra cluster --extra dev --universal --upgrade \
+	$(UV) pip compile pyproject.toml --extra pipeline --extra cluster --extra dev --universal --upgrade \
 	  --generate-hashes --no-annotate --no-header --quiet -o requirements.lock
 	! grep -n '://' requirements.lock

@@ -19,12 +19,22 @@ INTERRUPTED = 130  # what a shell reports for a program ended by Ctrl-C
 # Errors of the machine, which the reader can mend, and no traceback helps with.
 MACHINE = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EPERM)
 
+EXTRAS = {
+    "rerun": "view",
+    "ray": "cluster",
+    **dict.fromkeys(
+        ("dvc", "gymnasium", "lerobot", "llvmlite", "matplotlib", "mujoco", "numba", "robosuite",
+         "safetensors", "torch"), "pipeline",
+    ),
+}  # fmt: skip
+"""Which of this project's extras brings a library that the others do without."""
+
 
 def run_program(main: Callable[[], int | None]) -> int:
     """Call ``main`` and return the exit code, which is its answer or 0.
 
-    An LfrError, a full disk, or a folder that may not be written becomes one line on stderr and
-    exit code 2; Ctrl-C exit code 130. Any other exception is a fault of ours and keeps its
+    An LfrError, a full disk, a folder that may not be written, or a library that an extra would
+    bring becomes one line on stderr and exit code 2; Ctrl-C exit code 130. Any other exception is a fault of ours and keeps its
     traceback.
     """
     try:
@@ -32,6 +42,15 @@ def run_program(main: Callable[[], int | None]) -> int:
     except LfrError as error:
         print(f"lfr: error: {error}", file=sys.stderr)
         return error.exit_code
+    except ModuleNotFoundError as error:
+        missing = (error.name or "").partition(".")[0]
+        if missing not in EXTRAS:
+            raise
+        print(
+            f"lfr: error: {missing} is not installed; install lfr with its extra "
+            f"`{EXTRAS[missing]}`", file=sys.stderr,
+        )  # fmt: skip
+        return LfrError.exit_code
     except OSError as error:
         if error.errno not in MACHINE:
             raise

@@ -54,6 +54,18 @@ def test_a_full_disk_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
     assert capsys.readouterr().err == "lfr: error: No space left on device: data/a.mcap\n"
 
 
+def test_a_library_of_an_extra_is_named(capsys: pytest.CaptureFixture[str]) -> None:
+    def missing(name: str) -> None:
+        raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+    for name, extra in (("torch.nn", "pipeline"), ("rerun", "view"), ("ray", "cluster")):
+        assert run_program(lambda name=name: missing(name)) == 2
+        said = f"{name.partition('.')[0]} is not installed; install lfr with its extra `{extra}`"
+        assert capsys.readouterr().err == f"lfr: error: {said}\n"
+    with pytest.raises(ModuleNotFoundError):  # a fault of ours
+        run_program(lambda: missing("lfr.nowhere"))
+
+
 def test_a_fault_keeps_its_traceback() -> None:
     def fault() -> None:
         raise KeyError("cube")
