@@ -12,6 +12,7 @@ from pathlib import Path
 import gymnasium
 import numpy as np
 import pytest
+from lerobot.datasets import LeRobotDataset
 from rerun.experimental import RrdReader
 
 from lfr.artifacts import read_json
@@ -256,6 +257,17 @@ def test_what_it_has_learned_is_exported_and_viewed(project: Path, tmp_path: Pat
     told = lfr(project, "view", learned, "--save", str(episode))  # in the puck's own environment
     assert told.returncode == 0, told.stderr
     assert any("puck" in one.application_id for one in RrdReader(episode).recordings())
+
+
+def test_an_exported_policy_is_recorded_as_it_acts(project: Path, tmp_path: Path) -> None:
+    out, shown = tmp_path / "policy", tmp_path / "shown"
+    assert lfr(project, "export", f"models/mapping/{NAME}", str(out)).returncode == 0
+    told = lfr(project, "record", "puck", "park", "--policy", str(out), "--to", str(shown),
+               "--logs", str(tmp_path / "logs"), "--episodes", "1", "--attempts", "12")  # fmt: skip
+    if told.returncode == 0:  # it was trained for seconds, and may reach nothing
+        assert LeRobotDataset("lfr/shown", root=shown).num_episodes == 1
+    else:
+        assert f"{out} succeeded in 0 of 12 attempts" in told.stderr
 
 
 def test_cards_claim_no_simulation(project: Path) -> None:
