@@ -34,8 +34,8 @@ def run_program(main: Callable[[], int | None]) -> int:
     """Call ``main`` and return the exit code, which is its answer or 0.
 
     An LfrError, a full disk, a folder that may not be written, or a library that an extra would
-    bring becomes one line on stderr and exit code 2; Ctrl-C exit code 130. Any other exception is a fault of ours and keeps its
-    traceback.
+    bring becomes one line on stderr and exit code 2; Ctrl-C exit code 130. Any other exception is a
+    fault of ours and keeps its traceback.
     """
     try:
         return main() or 0

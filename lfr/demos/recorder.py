@@ -87,13 +87,14 @@ def record_demonstrations(
         )
     except TooFewSuccesses as error:
         raise LfrError(
-            f"the expert succeeded in {error} at {task} on {robot}; mend record.attempt"
+            f"the expert succeeded in {error} at {task} on {robot}; expected {params.episodes} "
+            "successes; mend record.attempt"
         ) from None
     return {**found, "cameras": [camera.name for camera in cameras]}
 
 
 class TooFewSuccesses(LfrError):
-    """How many of how many attempts have succeeded, and how many were expected."""
+    """How many of how many attempts have succeeded."""
 
 
 def record_successes(
@@ -119,9 +120,7 @@ def record_successes(
     most = math.ceil(most_attempts * wanted)
     while len(kept) < wanted:
         if len(attempts) >= most:
-            raise TooFewSuccesses(
-                f"{len(kept)} of {len(attempts)} attempts, expected {wanted} successes,"
-            )
+            raise TooFewSuccesses(f"{len(kept)} of {len(attempts)} attempts")
         missing = wanted - len(kept)
         # After a first round, a few more than are missing: another round costs another start.
         count = math.ceil(1.5 * missing) if attempts else missing

@@ -131,7 +131,10 @@ def record_in_environment(
     try:
         found = record_successes(job, episodes, most_attempts, logs, work, f"record {robot}-{task}")
     except TooFewSuccesses as error:
-        raise LfrError(f"{manner.policy} succeeded in {error} at {task} on {robot}") from None
+        raise LfrError(
+            f"{manner.policy} succeeded in {error} at {task} on {robot}; expected {episodes} "
+            "successes"
+        ) from None
     pack_dataset(list_logs(logs), dataset, fps=int(arm.fps))
     return found
 
