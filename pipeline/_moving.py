@@ -70,7 +70,7 @@ class Watched:
         )
 
 
-def main(transfer: str = "s3-ur5e-joint_position-stack", start: str = "0") -> None:
+def main(transfer: str = "s2-sawyer-joint_position-pick_place", start: str = "0") -> None:
     """Draw a transfer of the main job from one of its held-out starts."""
     chosen = transfer_named(transfer)
     source = pipeline_models(scenario_named(chosen.scenario), chosen)["source"]
