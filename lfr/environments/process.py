@@ -70,7 +70,8 @@ class EnvironmentProcess:
     def __init__(self, id: str, kwargs: Mapping[str, Any]) -> None:
         # No child of multiprocessing: workers of `lfr.jobs` are daemons, which may have none.
         self._pipe, other = Pipe()
-        paths = os.pathsep.join(path or os.getcwd() for path in sys.path)
+        # A module beside params.yaml is found, as `python -m` finds it; the command `lfr` does not.
+        paths = os.pathsep.join([*filter(None, sys.path), os.getcwd()])
         self._process = subprocess.Popen(
             [sys.executable, "-m", __name__, str(other.fileno())],
             pass_fds=[other.fileno()], stdin=subprocess.DEVNULL,

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import os
+import sys
 from pathlib import Path
 
 from lfr.params import PARAMS
@@ -47,6 +49,8 @@ def run(options: argparse.Namespace) -> int:
     from lfr.errors import UnknownNameError
     from lfr.external import external
 
+    if os.getcwd() not in sys.path:  # where the policy's module may lie
+        sys.path.append(os.getcwd())
     arms = external(options.params).arms
     if options.arm not in arms:
         raise UnknownNameError("external arm", options.arm, arms)

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from lfr.artifacts import as_json, file_hash, fingerprint, parse_json
 from lfr.columns import ActionPart, Part
+from lfr.conversion import AS_IT_IS
 from lfr.data.dataset import pack_dataset
 from lfr.data.episode import ACTION, DONE, IMAGES, REWARD, STATE, SUCCESS, EpisodeInfo, Feature
 from lfr.data.episode import observed as observed_first
@@ -32,6 +33,7 @@ from lfr.errors import LfrError, UnknownNameError
 from lfr.external import EnvironmentParams, ExternalArm
 from lfr.jobs import Job
 from lfr.lerobot_policy import LeRobotPolicy
+from lfr.records import from_mapping
 
 Array = NDArray[np.float64]
 Answer = Callable[[Any, Mapping[str, NDArray[np.uint8]]], Any]
@@ -144,7 +146,7 @@ def record_episode(job: EpisodeJob) -> dict[str, Any]:
 
     One in which the environment raises, or its process ends, has failed.
     """
-    environment = _environment(job.environment.id, json.dumps(as_json(job.environment)))
+    environment = _environment(json.dumps(as_json(job.environment)), job.name)
     try:
         frames, success = _run(job, environment)
     except EnvironmentFailure as error:
@@ -225,13 +227,15 @@ def _features(
 
 
 def _names(part: Part | ActionPart | None, column: str, size: int) -> tuple[str, ...]:
-    """What the arm calls a column's numbers, where it says so of all of them; else they are
-    counted."""
-    if part is not None and not part.dims and len(part.names) == size:
+    """What the arm calls a column's numbers, where it takes all of them as they are; else they are
+    counted: what a number becomes is no name for what it is."""
+    if part is not None and not part.dims and len(part.names) == size and _is_plain(part):
         return part.names
-    if part is not None and len(part.dims) == size and all(isinstance(d, str) for d in part.dims):
-        return tuple(str(d) for d in part.dims)
     return tuple(f"{column.rpartition('.')[2]}.{i}" for i in range(size))
+
+
+def _is_plain(part: Part | ActionPart) -> bool:
+    return isinstance(part, ActionPart) or (part.minus is None and part.conversion == AS_IT_IS)
 
 
 class _Scripted:
@@ -282,9 +286,9 @@ def _policy(name: str) -> _Scripted | _LeRobot:
 
 
 @cache
-def _environment(id: str, params: str) -> EnvironmentProcess:
+def _environment(params: str, name: str) -> EnvironmentProcess:
     """This process's environment; ``params`` is its `EnvironmentParams` as JSON."""
-    return EnvironmentProcess(id, parse_json(params)["kwargs"])
+    return made(from_mapping(EnvironmentParams, parse_json(params), name), name)
 
 
 def _content(policy: str) -> str:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import re
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -155,6 +158,24 @@ def test_a_crash_costs_its_attempt(folder: Path, capsys: pytest.CaptureFixture[s
     (folder / "params.yaml").write_text(PARAMS.replace("KWARGS", "breaks: exits"))
     assert record("--episodes", "1", "--attempts", "1") == 2
     assert "0 of 1 attempts" in capsys.readouterr().err
+
+
+def test_a_policy_beside_params_is_found_and_what_is_converted_lends_no_name(folder: Path) -> None:
+    """By the command itself, whose path does not hold the folder that it is called in."""
+    (folder / "mine.py").write_text(f"from {HERE} import straight\n")
+    text = PARAMS.replace("KWARGS", "").replace("goal_pos.y]}", "goal_pos.y], unit: cm}")
+    (folder / "params.yaml").write_text(text)
+    lfr = Path(sys.executable).with_name("lfr")
+    root = str(Path(__file__).parents[2])  # of the tests' environment
+    told = subprocess.run(
+        [lfr, "record", "puck", "park", "--policy", "mine:straight", "--to", "shown",
+         "--episodes", "1"],
+        cwd=folder, env={**os.environ, "PYTHONPATH": root}, capture_output=True, text=True,
+    )  # fmt: skip
+    assert told.returncode == 0, told.stderr
+    dataset = LeRobotDataset("lfr/shown", root=folder / "shown")
+    names = dataset.features["observation.state"]["names"]
+    assert names == ["state.0", "state.1", "state.2", "state.3"]
 
 
 def test_pictures_are_recorded_where_it_draws(folder: Path) -> None:
